@@ -1,0 +1,1 @@
+#include "atlas/rect/patches.hpp"

@@ -1,0 +1,1 @@
+#include "engine/measure/metrics.hpp"

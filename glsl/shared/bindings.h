@@ -1,0 +1,39 @@
+// Every buffer binding of the engine, in one place. Numbers only; the preprocessor of both languages reads it.
+#ifndef TESSERA_GLSL_SHARED_BINDINGS_H
+#define TESSERA_GLSL_SHARED_BINDINGS_H
+
+// Shader storage: the scene
+#define BIND_POSITIONS 0       // float[3 * vertices]
+#define BIND_NORMALS 1         // float[3 * vertices]
+#define BIND_TANGENTS 2        // vec4[vertices]
+#define BIND_UV0 3             // vec2[vertices]
+#define BIND_UV1 4             // vec2[vertices]
+#define BIND_COLORS 5          // vec4[vertices]
+#define BIND_INSTANCES 6       // InstanceGpu[]
+#define BIND_PATCHES 7         // PatchGeometry[]
+#define BIND_PATCH_INSTANCE 8  // uint[patch instances]: which InstanceGpu
+#define BIND_MATERIALS 9       // MaterialGpu[]
+#define BIND_LIGHTS 10         // LightGpu[]
+
+// Shader storage: the visible set
+#define BIND_VISIBLE 11      // uint count, then uint[] patch-instance ids
+#define BIND_VISIBLE_MARK 12 // uint[patch instances]: the frame in which it was last visible
+
+// Shader storage: the rectangular atlas
+#define BIND_PATCH_STATE 13   // PatchState[patch instances]
+#define BIND_ATLAS_STATE 14   // AtlasState: counters, bias, carried-over superblocks
+#define BIND_ATLAS_STACKS 15  // uint[]: entries of all block stacks and of the superblock stack
+#define BIND_PATCH_MEASURE 16 // PatchMeasure[visible]
+#define BIND_ATLAS_LIVE 17    // uint count, then uint[] patch-instance ids that may hold a block
+
+// Shader storage: drawing of the visible set
+#define BIND_DRAW_ENTRIES 18  // uint[]: what the gather and display passes draw
+#define BIND_DRAW_COMMANDS 19 // DrawCommand[batches]
+#define BIND_DRAW_VERTICES 20 // DisplayVertex[]
+#define BIND_BATCHES 21       // BatchGpu[]
+
+// Uniform buffers
+#define BIND_VIEWS 0
+#define BIND_FRAME 1
+
+#endif

@@ -87,7 +87,7 @@ void Engine::display(const View& view, DisplayMode mode) {
       s.id.ids.bind(UNIT_ID);
       gl::api().BindSampler(UNIT_ID, 0);
       gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-      setVec2(*s.deferred, LOCATION_SIZE, halfX, halfY);
+      setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
       const glm::mat3 rays(pixelToRay(view));
       gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
       gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, background.data());

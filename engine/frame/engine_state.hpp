@@ -51,7 +51,7 @@ struct BlendedPrograms {
 };
 
 struct Engine::State {
-  explicit State(gl::Context& context) : context(&context), programs(context) {}
+  explicit State(gl::Context& current) : context(&current), programs(current) {}
 
   gl::Context* context;
   gl::ProgramCache programs;

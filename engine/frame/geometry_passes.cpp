@@ -9,9 +9,8 @@ namespace tessera {
 
 namespace {
 
-template <class Make>
-void clearColor(const gl::Framebuffer& framebuffer, Make&& values) {
-  gl::api().ClearNamedFramebufferfv(framebuffer.get(), GL_COLOR, 0, values);
+void clearColor(const gl::Framebuffer& framebuffer, const glm::vec4& color) {
+  gl::api().ClearNamedFramebufferfv(framebuffer.get(), GL_COLOR, 0, &color.x);
 }
 
 void clearDepth(const gl::Framebuffer& framebuffer, float value) {
@@ -23,10 +22,6 @@ void beginPass(const gl::Framebuffer& framebuffer, int width, int height, const 
   gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer.get());
   gl::api().Viewport(0, 0, width, height);
   gl::apply(state);
-}
-
-std::size_t sameShadows(const std::vector<glsl::LightGpu>& a, const std::vector<glsl::LightGpu>& b) {
-  return a.size() == b.size() ? a.size() : 0;
 }
 
 }  // namespace
@@ -101,7 +96,7 @@ void Engine::State::drawShadows() {
   if (!features.shadows) return;
   // A static scene under lights that stand still keeps its shadow map.
   std::vector<bool> stale(lights.layers.size(), features.animated);
-  const bool comparable = sameShadows(lights.lights, uploadedLights) > 0 || lights.lights.empty();
+  const bool comparable = lights.lights.size() == uploadedLights.size();
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     const glsl::LightGpu& light = lights.lights[i];
     if (light.shadowLayer == glsl::kNoShadow) continue;
@@ -172,12 +167,12 @@ void Engine::forward(const View& view, bool depthPrepass) {
   const glm::vec4 background(s.options.background, 0.0f);
   if (s.graph.find("forward") == nullptr) {
     beginPass(s.picture.framebuffer, view.width, view.height, state);
-    clearColor(s.picture.framebuffer, &background.x);
+    clearColor(s.picture.framebuffer, background);
     clearDepth(s.picture.framebuffer, 0.0f);
   }
   s.pass("forward", [&] {
     beginPass(s.picture.framebuffer, view.width, view.height, state);
-    clearColor(s.picture.framebuffer, &background.x);
+    clearColor(s.picture.framebuffer, background);
     if (!prepass) clearDepth(s.picture.framebuffer, 0.0f);
     s.useCommands(list);
     s.counted([&] {
@@ -241,10 +236,10 @@ void Engine::State::drawTransparent(const View& view, const char* passName, cons
       sorted.clear();
       for (const auto& [distance, t] : order) sorted.insert(sorted.end(), triangles + 3 * t, triangles + 3 * t + 3);
       blendIndices.write(std::span<const std::uint32_t>(sorted));
-      const BlendedPrograms& programs = blendedPrograms[item.index];
-      programs.forward->use();
-      programs.forward->set(LOCATION_MATERIAL, primitive.material);
-      buffers.bindMaterial(primitive.material, programs.shading);
+      const BlendedPrograms& chosen = blendedPrograms[item.index];
+      chosen.forward->use();
+      chosen.forward->set(LOCATION_MATERIAL, primitive.material);
+      buffers.bindMaterial(primitive.material, chosen.shading);
       gl::applyCulling(!material.doubleSided, mirrors(world));
       gl::api().DrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(sorted.size()), GL_UNSIGNED_INT,
                                                   nullptr, 1,

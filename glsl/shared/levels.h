@@ -127,6 +127,7 @@ SHARED_FN uint packLevel(uint w, uint h, bool transposed) {
 }
 SHARED_FN uint levelWidth(uint level) { return level & 15u; }
 SHARED_FN uint levelHeight(uint level) { return (level >> 4u) & 15u; }
+SHARED_FN bool levelTransposed(uint level) { return (level & kLevelTransposed) != 0u; }
 SHARED_FN uint levelTexels(uint level) { return 1u << (levelWidth(level) + levelHeight(level)); }
 
 // The largest |w - h| that levels of log2 area `area` can have when no side passes 2^maxLog2.
@@ -144,7 +145,7 @@ SHARED_FN uint selectLevel(PatchMeasure measure, float bias, uint maxLog2, uint 
   if (hysteresis >= kLevelZero) {
     int w = int(levelWidth(previous));
     int h = int(levelHeight(previous));
-    int spread = (previous & kLevelTransposed) != 0u ? h - w : w - h;
+    int spread = levelTransposed(previous) ? h - w : w - h;
     float limit = float(widestAspect(w + h, maximum));
     // Aspects of one parity lie two apart, so half a step is 1.
     if (w <= maximum && abs(idealArea - float(w + h)) <= kLevelHalf + hysteresis &&

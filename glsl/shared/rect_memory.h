@@ -9,7 +9,9 @@
 TESSERA_SHARED_BEGIN
 
 // Work-group size of the passes over the visible list: their indirect arguments are (ceil(count / this), 1, 1).
-SHARED_CONST uint kRectGroup = 64u;
+#define RECT_GROUP 64
+// How many views BIND_VIEWS has room for.
+#define RECT_VIEWS 8
 SHARED_CONST uint kWidths = kMaxBlockLog2 + 1u;                       // indexed by w; 0 is unused
 SHARED_CONST uint kLevels = (kMaxBlockLog2 + 1u) * (kMaxBlockLog2 + 2u) / 2u;
 SHARED_CONST uint kNoSuperblock = 0xffffffffu;
@@ -74,7 +76,8 @@ struct AtlasState {
   float target;           // S, texels
   uint cutTexels;         // texels of all blocks cut since the last reset
   uint failures;          // requests of this frame that found no memory
-  uint liveTexels;        // texels of blocks held by visible patches, after this frame
+  uint visible;           // patches of this frame
+  uint liveTexels;        // texels of the blocks they hold after it
   uint records;           // visible patches at one texel, failures included
   uint resets;            // since creation
   uint frames;            // since creation
@@ -126,6 +129,6 @@ static_assert(sizeof(tessera::glsl::PatchState) == 12);
 static_assert(sizeof(tessera::glsl::AtlasConfig) == 52);
 static_assert(sizeof(tessera::glsl::LevelState) == 32);
 static_assert(sizeof(tessera::glsl::WidthState) == 20);
-static_assert(sizeof(tessera::glsl::AtlasState) == 52 + 18 * 4 + 66 * 32 + 11 * 20);
+static_assert(sizeof(tessera::glsl::AtlasState) == 52 + 19 * 4 + 66 * 32 + 11 * 20);
 #endif
 #endif

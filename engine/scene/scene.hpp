@@ -207,6 +207,9 @@ struct SceneState {
 /// Evaluates all animations of the scene at `time` seconds (each loops over its own duration) into `state`.
 void evaluate(const Scene& scene, double time, SceneState& state);
 
+/// One entry a node: true if an animation channel drives the node or one of its ancestors.
+std::vector<bool> movingNodes(const Scene& scene);
+
 /// True if the world matrix mirrors (negative determinant): front faces are clockwise then.
 bool mirrors(const glm::dmat4& world);
 

@@ -78,8 +78,15 @@ Json dataOf(const std::string& html) {
   return Json::parse(html.substr(start, html.find("</script>", start) - start));
 }
 
-// ---- report.json
-// ---------------------------------------------------------------------------------------------------
+/// One scene with one method, "forward", and nothing measured.
+Report bareReport(const std::string& file) {
+  Report report;
+  report.scenes.emplace_back().file = file;
+  report.scenes[0].methods.emplace_back().name = "forward";
+  return report;
+}
+
+// ---- report.json ----
 
 void expectTiming(const Json& json, const Statistics& expected, const std::string& where) {
   ASSERT_TRUE(json.is_object()) << where;
@@ -155,15 +162,13 @@ TEST(ReportJson, EveryFieldOfTheSchema) {
 }
 
 TEST(ReportJson, NamesThatAreNotUtf8) {
-  Report report;
-  report.scenes.push_back({.file = "caf\xe9 \"1\".glb"});
+  const Report report = bareReport("caf\xe9 \"1\".glb");
   const Json json = Json::parse(toJson(report));
   EXPECT_EQ(json["scenes"][0]["file"], "caf\xEF\xBF\xBD \"1\".glb");
   EXPECT_EQ(dataOf(toHtml(report))["scenes"][0]["file"], "caf\xEF\xBF\xBD \"1\".glb");
 }
 
-// ---- the page
-// ------------------------------------------------------------------------------------------------------
+// ---- the page ----
 
 TEST(ReportHtml, AsksNothingOfTheNetwork) {
   const std::string html = ownPart(toHtml(fixtureReport()));
@@ -253,9 +258,8 @@ TEST(ReportHtml, TablesSayWhatTheStructSays) {
 }
 
 TEST(ReportHtml, RowsThatNoMethodHasAreLeftOut) {
-  Report report;
-  report.scenes.push_back({.file = "a.glb"});
-  report.scenes[0].methods.push_back({.name = "forward", .mssim = 1.0});
+  Report report = bareReport("a.glb");
+  report.scenes[0].methods[0].mssim = 1.0;
   const std::string html = toHtml(report);
   EXPECT_EQ(rowOf(html, 0, "MSSIM"), Cells{"1.0000"});
   EXPECT_TRUE(rowOf(html, 0, "Holes").empty());
@@ -292,9 +296,7 @@ TEST(ReportHtml, PicturesComeBackAsTheyWere) {
 }
 
 TEST(ReportHtml, Base64OfEveryRemainder) {
-  Report report;
-  report.scenes.push_back({.file = "a"});
-  report.scenes[0].methods.push_back({.name = "forward"});
+  Report report = bareReport("a.glb");
   for (int length = 1; length <= 6; ++length) {
     ReportFrame frame;
     for (int i = 0; i < length; ++i) frame.image.push_back(static_cast<std::uint8_t>(0xFF - 37 * i));

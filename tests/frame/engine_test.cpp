@@ -51,7 +51,8 @@ Scene cornerScene(bool colored = true) {
   test::place(scene, test::addGrid(scene, {0, 0, 0}, {4, 0, 0}, {0, 0, -4}, 5, 5, material, colored));
   test::place(scene, test::addGrid(scene, {0, 0, -4}, {4, 0, 0}, {0, 3, 0}, 4, 3, material, colored));
   test::place(scene, test::addGrid(scene, {0, 0, 0}, {0, 0, -4}, {0, 3, 0}, 3, 4, material, colored));
-  test::place(scene, test::addGrid(scene, {1, 0.4f, -1}, {1.5f, 0.3f, 0}, {0, 0.8f, -0.6f}, 1, 1, material, colored));
+  test::place(
+      scene, test::addGrid(scene, {1, 0.4f, -1}, {1.5f, 0.3f, 0}, {0, 0.8f, -0.6f}, 1, 1, material, colored));
   test::finish(scene);
   return scene;
 }
@@ -84,11 +85,14 @@ double meanDifference(const Image& a, const Image& b) {
 GLuint countingProgram() {
   const GladGLContext& gl = gl::api();
   std::vector<std::string> files;
-  const auto vertex = gl::assembleShader(test::context().info().shaderHeader, "pass/gather.vert", {{"GATHER", "1"}}, files);
+  const auto vertex =
+      gl::assembleShader(test::context().info().shaderHeader, "pass/gather.vert", {{"GATHER", "1"}}, files);
   EXPECT_TRUE(vertex) << (vertex ? "" : vertex.error().message);
-  const std::string fragment = test::context().info().shaderHeader + "layout(location=0) out vec4 o; void main(){o=vec4(1);}\n";
+  const std::string fragment =
+      test::context().info().shaderHeader + "layout(location=0) out vec4 o; void main(){o=vec4(1);}\n";
   const GLuint program = gl.CreateProgram();
-  for (const auto& [stage, text] : {std::pair<GLenum, std::string>{GL_VERTEX_SHADER, *vertex}, {GL_FRAGMENT_SHADER, fragment}}) {
+  for (const auto& [stage, text] :
+       {std::pair<GLenum, std::string>{GL_VERTEX_SHADER, *vertex}, {GL_FRAGMENT_SHADER, fragment}}) {
     const GLuint shader = gl.CreateShader(stage);
     const char* source = text.c_str();
     gl.ShaderSource(shader, 1, &source, nullptr);
@@ -103,7 +107,8 @@ GLuint countingProgram() {
   return program;
 }
 
-// Draws the gather geometry additively and compares with the blocks that the patch states claim, texel by texel.
+// Draws the gather geometry additively and compares with the blocks that the patch states claim, texel by
+// texel.
 void expectExactCoverage(Engine& engine) {
   const gl::Texture& atlas = engine.atlas()->texture();
   gl::Texture counts(GL_RGBA16F, atlas.width(), atlas.height());
@@ -145,8 +150,8 @@ void expectExactCoverage(Engine& engine) {
     if (static_cast<int>(drawn[i]) == claimed[i] && claimed[i] <= 1) continue;
     if (++wrong <= 5)
       ADD_FAILURE() << "texel (" << i % static_cast<std::size_t>(atlas.width()) << ", "
-                    << i / static_cast<std::size_t>(atlas.width()) << ") drawn " << drawn[i] << " times, claimed "
-                    << claimed[i];
+                    << i / static_cast<std::size_t>(atlas.width()) << ") drawn " << drawn[i]
+                    << " times, claimed " << claimed[i];
   }
   EXPECT_EQ(wrong, 0u);
   EXPECT_GT(texels, 0u);
@@ -157,7 +162,8 @@ TEST_F(EngineGl, EveryTexelOfABlockIsShadedOnce) {
   ASSERT_TRUE(engine);
   engine->update(0.0);
   for (const double distance : {0.0, 1.0, 6.0, 40.0}) {
-    const View view = lookAt({4.5 + distance, 2.2, 1.5 + distance}, {1.5, 0.9, -2.0}, 60.0, kWidth, kHeight, 0.05);
+    const View view =
+        lookAt({4.5 + distance, 2.2, 1.5 + distance}, {1.5, 0.9, -2.0}, 60.0, kWidth, kHeight, 0.05);
     engine->rect(view);
     expectExactCoverage(*engine);
   }
@@ -184,7 +190,8 @@ TEST_F(EngineGl, TriplesSinglesAndMirroredPatchesCoverTheirBlocks) {
       fan.bounds.add(glm::dvec3(scene.vertices.position.back()));
     }
     for (int i = 2; i < sides; ++i)
-      for (const int v : {0, i - 1, i}) scene.indices.push_back(fan.firstVertex + static_cast<std::uint32_t>(v));
+      for (const int v : {0, i - 1, i})
+        scene.indices.push_back(fan.firstVertex + static_cast<std::uint32_t>(v));
     fan.vertexCount = static_cast<std::uint32_t>(sides);
     fan.indexCount = static_cast<std::uint32_t>(3 * (sides - 2));
     scene.primitives.push_back(fan);
@@ -217,7 +224,8 @@ TEST_F(EngineGl, LinearColoursComeBackExactly) {
     engine->rect(view, mode);
     const Image rect = engine->readColor();
     EXPECT_EQ(countCovered(rect), countCovered(forward)) << "holes or extra pixels";
-    // Encoded 8-bit values are interpolated where forward encodes interpolated values: a bend of the curve's size.
+    // Encoded 8-bit values are interpolated where forward encodes interpolated values: a bend of the curve's
+    // size.
     EXPECT_LT(meanDifference(rect, forward), 1.0);
     auto similarity = mssim(forward, rect);
     ASSERT_TRUE(similarity);
@@ -248,8 +256,9 @@ TEST_F(EngineGl, DeferredDisplayEqualsGeometryDisplay) {
 }
 
 TEST_F(EngineGl, AnotherCameraSeesWhatWasShaded) {
-  // Shading is view-independent here, so a picture from another eye must equal one that is shaded for it wherever the
-  // geometry was visible to the shaded view; the second view is a small step aside, with the union as the visible set.
+  // Shading is view-independent here, so a picture from another eye must equal one that is shaded for it
+  // wherever the geometry was visible to the shaded view; the second view is a small step aside, with the
+  // union as the visible set.
   Scene scene = cornerScene(false);
   scene.materials[1].baseColor.image = test::addCheckers(scene, 128, 8);
   test::finish(scene);
@@ -281,7 +290,8 @@ TEST_F(EngineGl, UnionOfViewsIsTheUnion) {
   auto engine = make(cornerScene(), smallAtlas());
   ASSERT_TRUE(engine);
   engine->update(0.0);
-  const std::array<View, 2> views = {cornerView(-2.0), lookAt({2, 2, -1}, {0.1, 0.2, -3.9}, 40.0, kWidth, kHeight, 0.05)};
+  const std::array<View, 2> views = {cornerView(-2.0),
+                                     lookAt({2, 2, -1}, {0.1, 0.2, -3.9}, 40.0, kWidth, kHeight, 0.05)};
   std::vector<std::uint32_t> expected;
   for (const View& view : views) {
     engine->findVisible({&view, 1});
@@ -324,8 +334,8 @@ TEST_F(EngineGl, CullingMaskMirrorAndDoubleSideMatchForward) {
   leaf.alphaMode = AlphaMode::Mask;
   leaf.doubleSided = true;
   leaf.baseColor.image = test::addCheckers(scene, 64, 8, true);
-  const std::array<std::uint32_t, 3> materials = {test::addMaterial(scene, single), test::addMaterial(scene, both),
-                                                  test::addMaterial(scene, leaf)};
+  const std::array<std::uint32_t, 3> materials = {
+      test::addMaterial(scene, single), test::addMaterial(scene, both), test::addMaterial(scene, leaf)};
   scene.nodes.resize(3);
   scene.nodes[1].scale = {1.0, 1.0, -1.0};
   scene.nodes[1].translation = {0.0, 1.3, -10.0};
@@ -333,8 +343,8 @@ TEST_F(EngineGl, CullingMaskMirrorAndDoubleSideMatchForward) {
   scene.nodes[2].rotation = glm::angleAxis(glm::radians(180.0), glm::dvec3(0, 1, 0));
   scene.nodes[2].translation.z = -10.0;
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    const auto grid = test::addGrid(scene, {-2.5f + 1.8f * static_cast<float>(i), -0.5f, -5.0f}, {1.2f, 0, 0}, {0, 1, 0}, 2, 2,
-                                    materials[i]);
+    const auto grid = test::addGrid(scene, {-2.5f + 1.8f * static_cast<float>(i), -0.5f, -5.0f}, {1.2f, 0, 0},
+                                    {0, 1, 0}, 2, 2, materials[i]);
     for (std::uint32_t node = 0; node < 3; ++node) test::place(scene, grid, node);
   }
   test::finish(scene);
@@ -351,7 +361,8 @@ TEST_F(EngineGl, CullingMaskMirrorAndDoubleSideMatchForward) {
     for (const DisplayMode mode : {DisplayMode::Geometry, DisplayMode::Deferred}) {
       engine->rect(view, mode);
       const Image rect = engine->readColor();
-      EXPECT_EQ(countCovered(rect), countCovered(forward)) << "side " << side << " mode " << static_cast<int>(mode);
+      EXPECT_EQ(countCovered(rect), countCovered(forward))
+          << "side " << side << " mode " << static_cast<int>(mode);
       auto similarity = mssim(forward, rect);
       ASSERT_TRUE(similarity);
       EXPECT_GT(similarity->mean, 0.95) << "side " << side << " mode " << static_cast<int>(mode);
@@ -451,7 +462,8 @@ TEST_F(EngineGl, NoTexelIsEverNonFinite) {
   metal.roughnessFactor = 0.0f;
   metal.emissiveFactor = glm::vec3(60000.0f);
   scene.materials[1] = metal;
-  for (std::size_t i = 0; i < scene.vertices.normal.size(); i += 7) scene.vertices.normal[i] = glm::vec3(0.0f);
+  for (std::size_t i = 0; i < scene.vertices.normal.size(); i += 7)
+    scene.vertices.normal[i] = glm::vec3(0.0f);
   Light lamp;
   lamp.type = LightType::Point;
   lamp.intensity = 65504.0f;
@@ -476,7 +488,8 @@ TEST_F(EngineGl, DebugViewsShowSomethingOfEverything) {
   const View view = cornerView();
   engine->rect(view);
   const std::size_t covered = countCovered(engine->readColor());
-  for (const DebugView what : {DebugView::Ids, DebugView::Patches, DebugView::Levels, DebugView::TexelDensity}) {
+  for (const DebugView what :
+       {DebugView::Ids, DebugView::Patches, DebugView::Levels, DebugView::TexelDensity}) {
     const auto image = engine->debugView(what, view);
     ASSERT_TRUE(image) << image.error().message;
     std::size_t shown = 0;

@@ -53,7 +53,8 @@ TEST(Plan, PlainSceneHasNoEffects) {
   const SceneFeatures features = findFeatures(oneQuad({}), nullptr);
   EXPECT_TRUE(features.effects.empty());
   EXPECT_EQ(passNames(planFrame(features, kForward)), (Names{"forward"}));
-  EXPECT_EQ(passNames(planFrame(features, kRect)), (Names{"id", "mark", "levels", "memory", "emit", "gather", "display"}));
+  EXPECT_EQ(passNames(planFrame(features, kRect)),
+            (Names{"id", "mark", "levels", "memory", "emit", "gather", "display"}));
   EXPECT_EQ(permutationOf({}, false, features).name(), "plain");
 }
 

@@ -35,8 +35,8 @@ inline void finish(Scene& scene) {
   }
 }
 
-/// A grid of nx x ny quads over the parallelogram origin + s u + t v, s and t in [0, 1]; normal along cross(u, v).
-/// uv0 = (s, t). Colours, when `colored`, are a linear function of the place: (s, t, 0.5).
+/// A grid of nx x ny quads over the parallelogram origin + s u + t v, s and t in [0, 1]; normal along
+/// cross(u, v). uv0 = (s, t). Colours, when `colored`, are a linear function of the place: (s, t, 0.5).
 inline std::uint32_t addGrid(Scene& scene, glm::vec3 origin, glm::vec3 u, glm::vec3 v, int nx, int ny,
                              std::uint32_t material = 0, bool colored = false) {
   Primitive primitive;
@@ -47,7 +47,8 @@ inline std::uint32_t addGrid(Scene& scene, glm::vec3 origin, glm::vec3 u, glm::v
   const glm::vec3 normal = glm::normalize(glm::cross(u, v));
   for (int y = 0; y <= ny; ++y)
     for (int x = 0; x <= nx; ++x) {
-      const glm::vec2 uv(static_cast<float>(x) / static_cast<float>(nx), static_cast<float>(y) / static_cast<float>(ny));
+      const glm::vec2 uv(static_cast<float>(x) / static_cast<float>(nx),
+                         static_cast<float>(y) / static_cast<float>(ny));
       const glm::vec3 p = origin + u * uv.x + v * uv.y;
       scene.vertices.position.push_back(p);
       scene.vertices.normal.push_back(normal);
@@ -55,10 +56,13 @@ inline std::uint32_t addGrid(Scene& scene, glm::vec3 origin, glm::vec3 u, glm::v
       scene.vertices.color.emplace_back(colored ? glm::vec4(uv, 0.5f, 1.0f) : glm::vec4(1.0f));
       primitive.bounds.add(glm::dvec3(p));
     }
-  const auto at = [&](int x, int y) { return primitive.firstVertex + static_cast<std::uint32_t>(y * (nx + 1) + x); };
+  const auto at = [&](int x, int y) {
+    return primitive.firstVertex + static_cast<std::uint32_t>(y * (nx + 1) + x);
+  };
   for (int y = 0; y < ny; ++y)
     for (int x = 0; x < nx; ++x)
-      for (const std::uint32_t i : {at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y), at(x + 1, y + 1), at(x, y + 1)})
+      for (const std::uint32_t i :
+           {at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y), at(x + 1, y + 1), at(x, y + 1)})
         scene.indices.push_back(i);
   primitive.vertexCount = static_cast<std::uint32_t>(scene.vertices.position.size()) - primitive.firstVertex;
   primitive.indexCount = static_cast<std::uint32_t>(scene.indices.size()) - primitive.firstIndex;

@@ -1,5 +1,5 @@
-// Every pass in every permutation that matters compiles: on this context, and with glslangValidator, since some
-// compilers accept what others refuse.
+// Every pass in every permutation that matters compiles: on this context, and with glslangValidator, since
+// some compilers accept what others refuse.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -21,7 +21,8 @@ struct Case {
 };
 
 const std::string kAll =
-    "BASE_TEX MR_TEX NORMAL_TEX OCCLUSION_TEX EMISSIVE_TEX VERTEX_COLOR USES_UV0 USES_UV1 UV_TRANSFORM LIGHTS SHADOWS "
+    "BASE_TEX MR_TEX NORMAL_TEX OCCLUSION_TEX EMISSIVE_TEX VERTEX_COLOR USES_UV0 USES_UV1 UV_TRANSFORM "
+    "LIGHTS SHADOWS "
     "HEMISPHERE";
 
 /// The permutations of one pass. A pass that is not named here has one, without defines.
@@ -89,10 +90,13 @@ TEST_F(Shaders, AllCompileHere) {
   ASSERT_GT(cases.size(), 40u);
   for (const Case& one : cases) {
     std::vector<std::string> files;
-    const auto text = gl::assembleShader(test::context().info().shaderHeader, one.path, parse(one.defines), files);
+    const auto text =
+        gl::assembleShader(test::context().info().shaderHeader, one.path, parse(one.defines), files);
     ASSERT_TRUE(text) << text.error().message;
     const std::string ending = std::filesystem::path(one.path).extension().string();
-    const GLenum stage = ending == ".vert" ? GL_VERTEX_SHADER : ending == ".frag" ? GL_FRAGMENT_SHADER : GL_COMPUTE_SHADER;
+    const GLenum stage = ending == ".vert"   ? GL_VERTEX_SHADER
+                         : ending == ".frag" ? GL_FRAGMENT_SHADER
+                                             : GL_COMPUTE_SHADER;
     const GLuint shader = gl::api().CreateShader(stage);
     const char* source = text->c_str();
     gl::api().ShaderSource(shader, 1, &source, nullptr);
@@ -109,7 +113,8 @@ TEST_F(Shaders, AllCompileHere) {
 TEST_F(Shaders, AllCompileWithGlslang) {
   if (std::system("glslangValidator --version > /dev/null 2>&1") != 0)
     GTEST_SKIP() << "glslangValidator is not installed (package glslang-tools)";
-  const std::filesystem::path folder = std::filesystem::path(TESSERA_BINARY_DIR) / "glslang" / test::context().info().backendName;
+  const std::filesystem::path folder =
+      std::filesystem::path(TESSERA_BINARY_DIR) / "glslang" / test::context().info().backendName;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   std::string list;
@@ -118,12 +123,14 @@ TEST_F(Shaders, AllCompileWithGlslang) {
     std::vector<std::string> files;
     const auto text = gl::assembleShader("#version 460 core\n", one.path, parse(one.defines), files);
     ASSERT_TRUE(text) << text.error().message;
-    const std::string name = fmt::format("{:03}_{}", number++, std::filesystem::path(one.path).filename().string());
+    const std::string name =
+        fmt::format("{:03}_{}", number++, std::filesystem::path(one.path).filename().string());
     std::ofstream(folder / name) << *text;
     list += " " + name;
   }
   const std::string log = (folder / "log.txt").string();
-  const int status = std::system(fmt::format("cd '{}' && glslangValidator{} > log.txt 2>&1", folder.string(), list).c_str());
+  const int status =
+      std::system(fmt::format("cd '{}' && glslangValidator{} > log.txt 2>&1", folder.string(), list).c_str());
   std::ifstream in(log);
   EXPECT_EQ(status, 0) << std::string(std::istreambuf_iterator<char>(in), {});
 }

@@ -20,7 +20,8 @@ Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, std::uint32_t 
 }
 
 void VisibleSet::begin() {
-  // Frame numbers start at 1, so that freshly zeroed marks mean "never seen"; after 2^32 - 1 frames all start over.
+  // Frame numbers start at 1, so that freshly zeroed marks mean "never seen"; after 2^32 - 1 frames all start
+  // over.
   if (++frame_ == 0) {
     marks_.fill(0);
     frame_ = 1;

@@ -28,7 +28,8 @@ int main(int argc, char** argv) {
   const std::string name = wanted == nullptr ? "osmesa" : wanted;
   tessera::gl::ContextOptions options;
   options.debug = true;
-  auto context = name == "egl" ? tessera::gl::Context::createEgl(options) : tessera::gl::Context::createOsMesa(options);
+  auto context =
+      name == "egl" ? tessera::gl::Context::createEgl(options) : tessera::gl::Context::createOsMesa(options);
   if (!context) {
     std::fprintf(stderr, "no %s context: %s\n", name.c_str(), context.error().message.c_str());
     return 1;  // a run without its context is a failure, not a skip

@@ -51,14 +51,17 @@ Result<Method> parseMethod(const std::string& text, double defaultBias) {
   const std::size_t colon = text.find(':');
   const auto kind = kKinds.find(text.substr(0, colon));
   if (kind == kKinds.end())
-    return fail("--methods {}: not one of forward, forward-prepass, rect, rect-deferred (with :bias=N for rect)", text);
+    return fail(
+        "--methods {}: not one of forward, forward-prepass, rect, rect-deferred (with :bias=N for rect)",
+        text);
   Method method{text, kind->second, defaultBias};
   if (colon == std::string::npos) return method;
   constexpr std::string_view kBias = "bias=";
   const std::string_view option = std::string_view(text).substr(colon + 1);
   const char* end = text.data() + text.size();
   if (!method.usesAtlas() || option.substr(0, kBias.size()) != kBias ||
-      std::from_chars(option.data() + kBias.size(), end, method.bias).ptr != end || !(std::abs(method.bias) <= 16.0))
+      std::from_chars(option.data() + kBias.size(), end, method.bias).ptr != end ||
+      !(std::abs(method.bias) <= 16.0))
     return fail("--methods {}: after the colon only bias=N, -16 to 16, for rect methods", text);
   return method;
 }
@@ -92,7 +95,9 @@ double pooledPsnr(const std::vector<double>& decibels) {
 }
 
 bool isShading(const std::string& pass) { return pass == "gather" || pass == "forward"; }
-bool isDisplay(const std::string& pass) { return pass.rfind("display", 0) == 0 || pass == "rect-transparent"; }
+bool isDisplay(const std::string& pass) {
+  return pass.rfind("display", 0) == 0 || pass == "rect-transparent";
+}
 
 /// Median over the repeats of each pass, in the order the passes ran.
 std::vector<PassTime> medianTimes(const std::vector<std::vector<PassTime>>& runs) {
@@ -145,10 +150,10 @@ Image halved(const Image& image, int largestSide) {
     for (int y = 0; y < next.height; ++y)
       for (int x = 0; x < next.width; ++x)
         for (int c = 0; c < 4; ++c)
-          next.at(x, y)[c] = static_cast<std::uint8_t>((small.at(2 * x, 2 * y)[c] + small.at(2 * x + 1, 2 * y)[c] +
-                                                        small.at(2 * x, 2 * y + 1)[c] +
-                                                        small.at(2 * x + 1, 2 * y + 1)[c] + 2) /
-                                                       4);
+          next.at(x, y)[c] = static_cast<std::uint8_t>(
+              (small.at(2 * x, 2 * y)[c] + small.at(2 * x + 1, 2 * y)[c] + small.at(2 * x, 2 * y + 1)[c] +
+               small.at(2 * x + 1, 2 * y + 1)[c] + 2) /
+              4);
     small = std::move(next);
   }
   return small;
@@ -198,15 +203,25 @@ class SceneComparison {
     engine_.clearTimes();
     engine_.update(timed.time);
     switch (method.kind) {
-      case Kind::Forward: engine_.forward(timed.view, false); break;
-      case Kind::ForwardPrepass: engine_.forward(timed.view, true); break;
-      case Kind::Rect: engine_.rect(timed.view, DisplayMode::Geometry); break;
-      case Kind::RectDeferred: engine_.rect(timed.view, DisplayMode::Deferred); break;
+      case Kind::Forward:
+        engine_.forward(timed.view, false);
+        break;
+      case Kind::ForwardPrepass:
+        engine_.forward(timed.view, true);
+        break;
+      case Kind::Rect:
+        engine_.rect(timed.view, DisplayMode::Geometry);
+        break;
+      case Kind::RectDeferred:
+        engine_.rect(timed.view, DisplayMode::Deferred);
+        break;
     }
   }
 
   [[nodiscard]] double resets() {
-    return engine_.atlas() == nullptr ? 0.0 : static_cast<double>(engine_.atlas()->memory().readStatistics().resets);
+    return engine_.atlas() == nullptr
+               ? 0.0
+               : static_cast<double>(engine_.atlas()->memory().readStatistics().resets);
   }
 
   Result<void> frame(const Method& method, std::size_t f, Series& series) {
@@ -246,8 +261,8 @@ class SceneComparison {
       pictures.image = encodeJpeg(picture, kJpegQuality).value_or(std::vector<std::uint8_t>());
       pictures.error = encodePng(errorMap(*difference, kErrorFull)).value_or(std::vector<std::uint8_t>());
       if (method.usesAtlas() && engine_.atlas() != nullptr)
-        pictures.atlas =
-            encodeJpeg(halved(engine_.readAtlas(), kAtlasPreview), kJpegQuality).value_or(std::vector<std::uint8_t>());
+        pictures.atlas = encodeJpeg(halved(engine_.readAtlas(), kAtlasPreview), kJpegQuality)
+                             .value_or(std::vector<std::uint8_t>());
       series.pictures.push_back(std::move(pictures));
     }
     return {};
@@ -278,7 +293,8 @@ ReportMethod reportOf(const Method& method, Series series) {
     report.resets = series.resets;
     report.nonFiniteTexels = series.nonFinite;
   }
-  for (const std::string& name : series.passOrder) report.passes.push_back({name, summarize(series.passes[name])});
+  for (const std::string& name : series.passOrder)
+    report.passes.push_back({name, summarize(series.passes[name])});
   report.frameMs = summarize(series.frameMs);
   report.gatherMs = summarize(series.gatherMs);
   report.displayMs = summarize(series.displayMs);
@@ -288,8 +304,9 @@ ReportMethod reportOf(const Method& method, Series series) {
   return report;
 }
 
-Result<ReportScene> compareScene(gl::Context& context, const std::string& file, const std::vector<Method>& methods,
-                                 const CompareOptions& options, glm::ivec2 size) {
+Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
+                                 const std::vector<Method>& methods, const CompareOptions& options,
+                                 glm::ivec2 size) {
   StageChoice stageChoice = options.stage;
   if (stageChoice.file.empty())
     if (const auto shipped = shippedStage(file)) stageChoice.file = shipped->string();
@@ -328,9 +345,9 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file, 
     SceneState state;
     evaluate(*scene, 0.0, state);
     report.lights = evaluateLights(*scene, state, lit, 0.0).size();
-    report.note = fmt::format("{}; path {}; atlas {} x {}", lit != nullptr ? "stage " + lit->file : "no stage",
-                              camera.path.empty() ? "none" : camera.path, setup->atlas.memory.width,
-                              setup->atlas.memory.height);
+    report.note = fmt::format(
+        "{}; path {}; atlas {} x {}", lit != nullptr ? "stage " + lit->file : "no stage",
+        camera.path.empty() ? "none" : camera.path, setup->atlas.memory.width, setup->atlas.memory.height);
     setup->request = {};
     for (const Method& method : methods) {
       setup->request.forward = setup->request.forward || !method.usesAtlas();
@@ -361,13 +378,13 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file, 
 }
 
 void printSummary(const ReportScene& scene) {
-  fmt::print("{} ({} triangles, {} frames of {} x {})\n", scene.file, scene.triangles, scene.frames, scene.width,
-             scene.height);
+  fmt::print("{} ({} triangles, {} frames of {} x {})\n", scene.file, scene.triangles, scene.frames,
+             scene.width, scene.height);
   fmt::print("  {:<18} {:>7} {:>9} {:>7} {:>12} {:>10} {:>11} {:>6}\n", "method", "MSSIM", "PSNR dB", "FLIP",
              "samples", "frame ms", "ns/sample", "holes");
   for (const ReportMethod& m : scene.methods)
-    fmt::print("  {:<18} {:>7.4f} {:>9.2f} {:>7.4f} {:>12.0f} {:>10.1f} {:>11.1f} {:>6.0f}\n", m.name, m.mssim, m.psnrDb,
-               m.flip, m.samplesShaded, m.frameMs.median, m.nsPerSample, m.holes);
+    fmt::print("  {:<18} {:>7.4f} {:>9.2f} {:>7.4f} {:>12.0f} {:>10.1f} {:>11.1f} {:>6.0f}\n", m.name,
+               m.mssim, m.psnrDb, m.flip, m.samplesShaded, m.frameMs.median, m.nsPerSample, m.holes);
 }
 
 Result<void> compare(const CompareOptions& options) {
@@ -380,7 +397,8 @@ Result<void> compare(const CompareOptions& options) {
     methods.push_back(*method);
   }
   // Everything is compared with forward, so it runs first, asked for or not.
-  const auto forward = std::find_if(methods.begin(), methods.end(), [](const Method& m) { return m.kind == Kind::Forward; });
+  const auto forward =
+      std::find_if(methods.begin(), methods.end(), [](const Method& m) { return m.kind == Kind::Forward; });
   if (forward == methods.end())
     methods.insert(methods.begin(), Method{"forward", Kind::Forward, 0.0});
   else
@@ -393,8 +411,9 @@ Result<void> compare(const CompareOptions& options) {
 
   Report report;
   const gl::ContextInfo& info = (*context)->info();
-  report.context = {info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)),
-                    TESSERA_COMMIT, options.command};
+  report.context = {
+      info.backendName, info.renderer,  info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)),
+      TESSERA_COMMIT,   options.command};
   for (const std::string& file : options.scenes) {
     auto scene = compareScene(**context, file, methods, options, *size);
     if (!scene) return tl::unexpected(scene.error());
@@ -413,17 +432,20 @@ Result<void> compare(const CompareOptions& options) {
 Run addCompare(CLI::App& app) {
   auto options = std::make_shared<CompareOptions>();
   options->camera.fps = 0.0;
-  CLI::App& command = *app.add_subcommand("compare", "Draw the same frames by several methods; writes report.json and report.html");
+  CLI::App& command = *app.add_subcommand(
+      "compare", "Draw the same frames by several methods; writes report.json and report.html");
   command.add_option("scenes", options->scenes, "glTF 2.0 files")->required();
   command.add_option("-o,--output", options->output, "folder for the report")->required();
-  command.add_option("--methods", options->methods,
-                     "comma-separated: forward, forward-prepass, rect, rect-deferred; rect ones take :bias=N")
+  command
+      .add_option("--methods", options->methods,
+                  "comma-separated: forward, forward-prepass, rect, rect-deferred; rect ones take :bias=N")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--warmup", options->warmup, "frames drawn and thrown away before each method")
       ->check(CLI::Range(0, 100))
       ->capture_default_str();
-  command.add_option("--repeats", options->repeats, "times each frame is drawn; the median of each pass counts")
+  command
+      .add_option("--repeats", options->repeats, "times each frame is drawn; the median of each pass counts")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   addContext(command, options->context);
@@ -433,7 +455,8 @@ Run addCompare(CLI::App& app) {
   addAtlas(command, options->atlas);
   return [options] {
     options->command = "tessera compare";
-    for (const std::string& scene : options->scenes) options->command += " " + std::filesystem::path(scene).filename().string();
+    for (const std::string& scene : options->scenes)
+      options->command += " " + std::filesystem::path(scene).filename().string();
     return compare(*options);
   };
 }

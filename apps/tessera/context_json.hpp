@@ -8,8 +8,8 @@
 namespace tessera::app {
 
 inline nlohmann::json contextJson(const gl::ContextInfo& info, gl::TimerMode timer) {
-  return {{"backend", info.backendName}, {"renderer", info.renderer},          {"gl", info.version},
-          {"glsl", info.glslVersion},    {"stand_ins", info.standIns},         {"timer", gl::nameOf(timer)}};
+  return {{"backend", info.backendName}, {"renderer", info.renderer},  {"gl", info.version},
+          {"glsl", info.glslVersion},    {"stand_ins", info.standIns}, {"timer", gl::nameOf(timer)}};
 }
 
 }  // namespace tessera::app

@@ -26,11 +26,16 @@ nlohmann::json describe(const Engine& engine, const gl::ContextInfo& context) {
   json["schema"] = 1;
   json["file"] = scene.file;
   json["context"] = contextJson(context, engine.timerMode());
-  json["counts"] = {{"triangles", scene.triangleCount()}, {"instances", scene.instances.size()},
-                    {"meshes", scene.meshes.size()},      {"primitives", scene.primitives.size()},
-                    {"materials", scene.materials.size()}, {"images", scene.images.size()},
-                    {"nodes", scene.nodes.size()},        {"lights", scene.lights.size()},
-                    {"cameras", scene.cameras.size()},    {"animations", scene.animations.size()},
+  json["counts"] = {{"triangles", scene.triangleCount()},
+                    {"instances", scene.instances.size()},
+                    {"meshes", scene.meshes.size()},
+                    {"primitives", scene.primitives.size()},
+                    {"materials", scene.materials.size()},
+                    {"images", scene.images.size()},
+                    {"nodes", scene.nodes.size()},
+                    {"lights", scene.lights.size()},
+                    {"cameras", scene.cameras.size()},
+                    {"animations", scene.animations.size()},
                     {"vertices", scene.vertices.position.size()}};
   json["bounds"] = {{"min", {scene.bounds.min.x, scene.bounds.min.y, scene.bounds.min.z}},
                     {"max", {scene.bounds.max.x, scene.bounds.max.y, scene.bounds.max.z}}};
@@ -65,10 +70,11 @@ void printText(const nlohmann::json& json) {
   fmt::print("permutations: {}\n", json["permutations"].size());
   for (const auto& permutation : json["permutations"]) fmt::print("  {}\n", permutation.get<std::string>());
   const auto& patches = json["patches"];
-  fmt::print("patches: {}; triangles in pairs {:.1f} %, in triples {:.1f} %, alone {:.1f} %; built in {:.2f} s\n",
-             patches["count"].get<std::uint64_t>(), 100.0 * patches["triangles_in_pairs"].get<double>(),
-             100.0 * patches["triangles_in_triples"].get<double>(), 100.0 * patches["triangles_alone"].get<double>(),
-             patches["seconds"].get<double>());
+  fmt::print(
+      "patches: {}; triangles in pairs {:.1f} %, in triples {:.1f} %, alone {:.1f} %; built in {:.2f} s\n",
+      patches["count"].get<std::uint64_t>(), 100.0 * patches["triangles_in_pairs"].get<double>(),
+      100.0 * patches["triangles_in_triples"].get<double>(), 100.0 * patches["triangles_alone"].get<double>(),
+      patches["seconds"].get<double>());
   for (const auto& warning : json["warnings"]) fmt::print("warning: {}\n", warning.get<std::string>());
 }
 
@@ -103,7 +109,8 @@ Result<void> info(const InfoOptions& options) {
 
 Run addInfo(CLI::App& app) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App& command = *app.add_subcommand("info", "Print what a scene holds and calls for; without a scene, the context");
+  CLI::App& command =
+      *app.add_subcommand("info", "Print what a scene holds and calls for; without a scene, the context");
   command.add_option("scene", options->scene, "glTF 2.0 file");
   command.add_flag("--json", options->json, "as JSON");
   command.add_flag("--graph", options->graph, "the passes as Graphviz text");

@@ -9,7 +9,9 @@ namespace {
 
 int run(int argc, char** argv) {
   using tessera::app::Exit;
-  CLI::App app("Tessera: shades the visible surfaces of a scene into one texture and draws any number of views from it.");
+  CLI::App app(
+      "Tessera: shades the visible surfaces of a scene into one texture and draws any number of views from "
+      "it.");
   app.name("tessera");
   app.require_subcommand(1);
   const std::vector<std::pair<std::string, tessera::app::Run>> commands = {

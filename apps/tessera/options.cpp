@@ -18,12 +18,14 @@ void addSize(CLI::App& command, SizeChoice& choice) {
 }
 
 void addCamera(CLI::App& command, CameraChoice& choice) {
-  command.add_option("--camera", choice.camera, "camera of the scene by name or index, or 'auto' to see all of it");
+  command.add_option("--camera", choice.camera,
+                     "camera of the scene by name or index, or 'auto' to see all of it");
   command.add_option("--eye", choice.eye, "x,y,z of the eye in metres")->delimiter(',')->expected(3);
   command.add_option("--target", choice.target, "x,y,z looked at")->delimiter(',')->expected(3);
   command.add_option("--fov-y", choice.fovY, "vertical field of view in degrees, 0.1 to 175");
   command.add_option("--path", choice.path, "camera path: a JSON file, or the name of a path of the stage");
-  command.add_option("--frames", choice.frames, "number of frames along the path")->check(CLI::Range(1, 1000000));
+  command.add_option("--frames", choice.frames, "number of frames along the path")
+      ->check(CLI::Range(1, 1000000));
   command.add_option("--fps", choice.fps, "frames a second of the path")
       ->check(CLI::Range(0.001, 100000.0))
       ->capture_default_str();
@@ -37,15 +39,19 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--atlas-mpix", choice.megapixels, "atlas size in 2^20 texels")
       ->check(CLI::Range(0.0625, 256.0))
       ->capture_default_str();
-  command.add_option("--bias", choice.bias, "constant level bias: 1 halves the texels, -2 gives four times as many")
+  command
+      .add_option("--bias", choice.bias,
+                  "constant level bias: 1 halves the texels, -2 gives four times as many")
       ->check(CLI::Range(-8.0, 16.0))
       ->capture_default_str();
-  command.add_flag("!--no-pressure-bias", choice.pressureBias, "do not lower levels when the atlas gets full");
+  command.add_flag("!--no-pressure-bias", choice.pressureBias,
+                   "do not lower levels when the atlas gets full");
   command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
       ->check(CLI::IsMember({"srgb8", "rgba16f"}))
       ->capture_default_str();
-  command.add_option("--split-edges", choice.splitEdges,
-                     "split edges longer than this share of the scene's diagonal; 0: never")
+  command
+      .add_option("--split-edges", choice.splitEdges,
+                  "split edges longer than this share of the scene's diagonal; 0: never")
       ->check(CLI::Range(0.0, 1.0));
 }
 
@@ -86,7 +92,8 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   const double texels = choice.megapixels * 1048576.0;
   const int superblock = 1 << memory.superblockLog2;
   memory.width = std::max(superblock, 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9)));
-  memory.height = std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
+  memory.height =
+      std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
   memory.bias = static_cast<float>(choice.bias);
   memory.pressureBias = choice.pressureBias;
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
@@ -102,7 +109,8 @@ Result<std::optional<Stage>> loadStageOf(const StageChoice& choice) {
 }
 
 std::filesystem::path assetsFolder() {
-  if (const char* folder = std::getenv("TESSERA_ASSETS_DIR"); folder != nullptr && *folder != '\0') return folder;
+  if (const char* folder = std::getenv("TESSERA_ASSETS_DIR"); folder != nullptr && *folder != '\0')
+    return folder;
   if (std::error_code ignored; std::filesystem::is_directory(TESSERA_SOURCE_ASSETS, ignored))
     return TESSERA_SOURCE_ASSETS;
   return TESSERA_INSTALLED_ASSETS;
@@ -124,7 +132,8 @@ Result<std::size_t> cameraIndex(const Scene& scene, const std::string& wanted) {
     if (node.camera != kNone && node.name == wanted) return node.camera;
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
-  if (error == std::errc() && end == wanted.data() + wanted.size() && index < scene.cameras.size()) return index;
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index < scene.cameras.size())
+    return index;
   std::string names;
   for (const Camera& camera : scene.cameras) names += fmt::format(" '{}'", camera.name);
   return fail("--camera {}: {} has {} cameras:{}", wanted, scene.file, scene.cameras.size(), names);
@@ -159,7 +168,8 @@ Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& 
     if (!path) return tl::unexpected(path.error());
     const double first = path->keys.front().time;
     const double duration = path->keys.back().time - first;
-    const int frames = choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(duration * choice.fps)) + 1;
+    const int frames =
+        choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(duration * choice.fps)) + 1;
     for (int i = 0; i < frames; ++i) {
       const double time = first + i / choice.fps;
       CameraKey key = sampleCamera(*path, time);

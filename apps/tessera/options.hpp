@@ -23,11 +23,11 @@ struct SizeChoice {
   std::string text = "1280x720";
 };
 struct CameraChoice {
-  std::string camera;                // name, index or auto
-  std::vector<double> eye, target;   // three numbers each
-  std::optional<double> fovY;        // degrees
-  std::string path;                  // file, or the name of a path of the stage
-  int frames = 0;                    // 0: one picture, or all of the path at `fps`
+  std::string camera;               // name, index or auto
+  std::vector<double> eye, target;  // three numbers each
+  std::optional<double> fovY;       // degrees
+  std::string path;                 // file, or the name of a path of the stage
+  int frames = 0;                   // 0: one picture, or all of the path at `fps`
   double fps = 30.0;
 };
 struct StageChoice {
@@ -55,7 +55,8 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
 /// The stage that the project ships for a scene of this file name, if there is one.
 std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene);
-/// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the installed.
+/// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the
+/// installed.
 std::filesystem::path assetsFolder();
 
 /// The views of a run, one a frame, with their times in seconds.

@@ -1,8 +1,7 @@
 #include "apps/tessera/progress.hpp"
 
-#include <unistd.h>
-
 #include <cstdio>
+#include <unistd.h>
 #include <utility>
 
 #include <fmt/core.h>
@@ -26,8 +25,8 @@ void Progress::step(const std::string& detail) {
   } else if (terminal_) {
     constexpr std::size_t kWidth = 30;
     const std::size_t filled = done_ * kWidth / total_;
-    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}", what_, std::string(filled, '#'), std::string(kWidth - filled, '.'),
-               done_, total_, detail);
+    fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {}", what_, std::string(filled, '#'),
+               std::string(kWidth - filled, '.'), done_, total_, detail);
   } else if (const std::size_t tenth = done_ * 10 / total_; tenth != printedTenth_) {
     printedTenth_ = tenth;
     fmt::print(stderr, "{}: {}/{} {}\n", what_, done_, total_, detail);

@@ -27,9 +27,12 @@ struct RenderOptions {
   AtlasChoice atlas;
 };
 
-const std::map<std::string, DebugView> kDebugViews = {
-    {"ids", DebugView::Ids},       {"patches", DebugView::Patches}, {"levels", DebugView::Levels},
-    {"blocks", DebugView::Blocks}, {"texel-density", DebugView::TexelDensity}, {"atlas", DebugView::Atlas}};
+const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
+                                                      {"patches", DebugView::Patches},
+                                                      {"levels", DebugView::Levels},
+                                                      {"blocks", DebugView::Blocks},
+                                                      {"texel-density", DebugView::TexelDensity},
+                                                      {"atlas", DebugView::Atlas}};
 
 FrameRequest requestOf(const RenderOptions& options) {
   FrameRequest request;
@@ -43,14 +46,16 @@ FrameRequest requestOf(const RenderOptions& options) {
 
 std::filesystem::path numbered(const std::filesystem::path& output, std::size_t frame, std::size_t frames) {
   if (frames == 1) return output;
-  return output.parent_path() / fmt::format("{}.{:04}{}", output.stem().string(), frame, output.extension().string());
+  return output.parent_path() /
+         fmt::format("{}.{:04}{}", output.stem().string(), frame, output.extension().string());
 }
 
 nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   nlohmann::json json;
   json["time_s"] = timed.time;
   nlohmann::json passes = nlohmann::json::array();
-  for (const PassTime& pass : engine.times()) passes.push_back({{"name", pass.name}, {"ms", pass.milliseconds}});
+  for (const PassTime& pass : engine.times())
+    passes.push_back({{"name", pass.name}, {"ms", pass.milliseconds}});
   json["passes"] = passes;
   json["fragments"] = engine.fragments();
   if (RectAtlas* atlas = engine.atlas(); atlas != nullptr && engine.visibleSet()->frame() > 0) {
@@ -77,7 +82,8 @@ Result<void> render(const RenderOptions& options) {
   const auto step = [&](const std::string& text) { progress->step(text); };
   auto scene = loadGltf(options.scene, {.loadImages = true, .progress = step});
   if (!scene) return tl::unexpected(scene.error());
-  for (const std::string& warning : scene->warnings) fmt::print(stderr, "warning: {}: {}\n", options.scene, warning);
+  for (const std::string& warning : scene->warnings)
+    fmt::print(stderr, "warning: {}: {}\n", options.scene, warning);
   auto views = viewsOf(options.camera, *scene, *stage ? &**stage : nullptr, *size);
   if (!views) return tl::unexpected(views.error());
   auto context = openContext(options.context);
@@ -101,7 +107,8 @@ Result<void> render(const RenderOptions& options) {
     if (engineSetup->request.forward)
       engine.forward(timed.view, engineSetup->request.depthPrepass);
     else
-      engine.rect(timed.view, engineSetup->request.displayDeferred ? DisplayMode::Deferred : DisplayMode::Geometry);
+      engine.rect(timed.view,
+                  engineSetup->request.displayDeferred ? DisplayMode::Deferred : DisplayMode::Geometry);
     Image picture;
     if (!options.view.empty()) {
       if (engineSetup->request.forward) engine.rect(timed.view);
@@ -142,7 +149,9 @@ Run addRender(CLI::App& app) {
   command.add_option("--method", options->method, "forward, forward-prepass, rect or rect-deferred")
       ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred"}))
       ->capture_default_str();
-  command.add_option("--view", options->view, "debug picture: ids, patches, levels, blocks, texel-density or atlas")
+  command
+      .add_option("--view", options->view,
+                  "debug picture: ids, patches, levels, blocks, texel-density or atlas")
       ->check(CLI::IsMember(kDebugViews));
   command.add_option("--stats", options->stats, "JSON file for times and counts");
   addContext(command, options->context);

@@ -36,10 +36,13 @@ Result<RectAtlas> RectAtlas::create(gl::ProgramCache& programs, const RectAtlasO
   GLint largest = 0;
   gl::api().GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   if (width > largest || height > largest)
-    return fail("atlas of {} x {} texels ({} rows of them for single-texel patches) is past this context's limit of {}",
-                width, height, height - options.memory.height, largest);
+    return fail(
+        "atlas of {} x {} texels ({} rows of them for single-texel patches) is past this context's limit of "
+        "{}",
+        width, height, height - options.memory.height, largest);
   atlas.format_ = options.format;
-  atlas.texture_ = gl::Texture(options.format == AtlasFormat::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height);
+  atlas.texture_ =
+      gl::Texture(options.format == AtlasFormat::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height);
   if (options.format == AtlasFormat::Srgb8) atlas.encoded_ = atlas.texture_.view(GL_RGBA8);
   for (gl::Texture* texture : {&atlas.texture_, &atlas.encoded_}) {
     if (!*texture) continue;
@@ -114,8 +117,8 @@ void RectAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
 }
 
 std::size_t RectAtlas::bytes() const {
-  return texture_.bytes() + entries_.size() + vertices_.size() + gather_.size() + commands_.size() + indices_.size() +
-         memory_.bytes();
+  return texture_.bytes() + entries_.size() + vertices_.size() + gather_.size() + commands_.size() +
+         indices_.size() + memory_.bytes();
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// The rectangular gatherer: patches in blocks of one texture (Mueller 2021, ch. 3). It places the visible set, is
-// shaded into by whoever owns the materials, and is drawn from for any view.
+// The rectangular gatherer: patches in blocks of one texture (Mueller 2021, ch. 3). It places the visible
+// set, is shaded into by whoever owns the materials, and is drawn from for any view.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct RectAtlasOptions {
 
 class RectAtlas {
  public:
-  /// `entries` is how many draw entries all patch instances need (a triple needs two), `batches` how many draws.
+  /// `entries` is how many draw entries all patch instances need (a triple needs two), `batches` how many
+  /// draws.
   static Result<RectAtlas> create(gl::ProgramCache& programs, const RectAtlasOptions& options,
                                   std::uint32_t patchInstances, std::uint32_t entries,
                                   std::span<const glsl::BatchGpu> batches);
@@ -38,8 +39,8 @@ class RectAtlas {
   /// Writes what shading and display draw.
   void emit(const VisibleSet& visible);
 
-  /// Starts shading: binds the atlas as the framebuffer. Then, a batch at a time, drawBatch() with a program of
-  /// pass/gather.vert in use.
+  /// Starts shading: binds the atlas as the framebuffer. Then, a batch at a time, drawBatch() with a program
+  /// of pass/gather.vert in use.
   void beginShading() const;
   void drawBatch(std::uint32_t batch) const { drawBatches(batch, 1); }
   /// Draws the entries of consecutive batches, for display, with a program of pass/display.vert in use.

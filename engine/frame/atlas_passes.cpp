@@ -60,9 +60,11 @@ void Engine::display(const View& view, DisplayMode mode) {
   s.bindScene();
   s.setViews({&view, 1});
   s.picture.resize(view.width, view.height);
-  // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded too.
+  // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
+  // too.
   const glm::vec3& b = s.options.background;
-  const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g), glsl::encodeSrgb(b.b), 0.0f};
+  const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
+                                           glsl::encodeSrgb(b.b), 0.0f};
   const auto clear = [&] {
     gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_COLOR, 0, background.data());
     const float farthest = 0.0f;
@@ -91,7 +93,8 @@ void Engine::display(const View& view, DisplayMode mode) {
       const glm::mat3 rays(pixelToRay(view));
       gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
       gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, background.data());
-      gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8), static_cast<GLuint>((view.height + 7) / 8), 1);
+      gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
+                                static_cast<GLuint>((view.height + 7) / 8), 1);
     });
     s.drawTransparent(view, "rect-transparent", s.id.depth);
     gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);

@@ -20,7 +20,8 @@ struct BatchKey {
 BatchKey keyOf(const Scene& scene, const Instance& instance) {
   const Primitive& primitive = scene.primitives[instance.primitive];
   const Material& material = scene.materials[primitive.material];
-  return {material.alphaMode == AlphaMode::Mask, material.doubleSided, primitive.material, primitive.hasColor};
+  return {material.alphaMode == AlphaMode::Mask, material.doubleSided, primitive.material,
+          primitive.hasColor};
 }
 
 void buildAllPatches(const Scene& scene, const PatchOptions& options, DrawScene& draw) {
@@ -33,7 +34,8 @@ void buildAllPatches(const Scene& scene, const PatchOptions& options, DrawScene&
     const Primitive& primitive = scene.primitives[i];
     draw.patchOffset[i] = static_cast<std::uint32_t>(draw.patches.size());
     if (scene.materials[primitive.material].alphaMode == AlphaMode::Blend) continue;
-    const std::span<const std::uint32_t> indices(scene.indices.data() + primitive.firstIndex, primitive.indexCount);
+    const std::span<const std::uint32_t> indices(scene.indices.data() + primitive.firstIndex,
+                                                 primitive.indexCount);
     PatchSet set = buildPatches(scene.vertices.position, indices, options);
     sorted.clear();
     for (const std::uint32_t triangle : set.order)
@@ -106,7 +108,8 @@ Box transformBox(const Box& box, const glm::dmat4& world) {
   return out;
 }
 
-std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> instances, const SceneState& state) {
+std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> instances,
+                                const SceneState& state) {
   std::vector<Box> bounds;
   bounds.reserve(instances.size());
   for (const Instance& instance : instances)

@@ -12,8 +12,8 @@
 
 namespace tessera {
 
-/// Instances that share a material and a draw state. Order of batches: opaque single-sided, opaque double-sided,
-/// masked; so that passes which need no material draw long runs of them at once.
+/// Instances that share a material and a draw state. Order of batches: opaque single-sided, opaque
+/// double-sided, masked; so that passes which need no material draw long runs of them at once.
 struct Batch {
   std::uint32_t material = 0;
   bool vertexColor = false;
@@ -25,16 +25,16 @@ struct Batch {
   std::uint32_t entryCapacity = 0;
 };
 
-/// A scene made ready for drawing: patches built, instances sorted by batch. BLEND instances are apart: they are
-/// neither visible-set nor atlas geometry.
+/// A scene made ready for drawing: patches built, instances sorted by batch. BLEND instances are apart: they
+/// are neither visible-set nor atlas geometry.
 struct DrawScene {
   std::vector<std::uint32_t> indices;  // as Scene::indices, triangles sorted by patch within each primitive
   std::vector<glsl::PatchGeometry> patches;
   std::vector<std::uint32_t> patchOffset;  // first patch of each primitive
   std::vector<PatchSet> patchCounts;       // counts only (patches and order moved out), one a primitive
   std::vector<Batch> batches;
-  std::vector<Instance> instances;         // opaque and masked, sorted by batch
-  std::vector<std::uint32_t> batchOf;      // one an instance
+  std::vector<Instance> instances;     // opaque and masked, sorted by batch
+  std::vector<std::uint32_t> batchOf;  // one an instance
   std::vector<Instance> blended;
   std::vector<std::uint32_t> instanceOfPatch;  // one a patch instance
   std::vector<std::uint32_t> patchBase;        // one an instance
@@ -65,7 +65,8 @@ struct DrawList {
 };
 
 /// World boxes of the draw scene's instances at a state.
-std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> instances, const SceneState& state);
+std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> instances,
+                                const SceneState& state);
 /// Bounds of a box under an affine transform.
 Box transformBox(const Box& box, const glm::dmat4& world);
 

@@ -41,7 +41,8 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
                                2.0f / static_cast<float>(target.height()));
     s.atlas->drawBatches(0, static_cast<std::uint32_t>(s.draw.batches.size()));
   } else {
-    auto program = s.programs.get({"pass/debug_screen.comp"}, {{"MODE", kScreenModes[static_cast<std::size_t>(what)]}});
+    auto program =
+        s.programs.get({"pass/debug_screen.comp"}, {{"MODE", kScreenModes[static_cast<std::size_t>(what)]}});
     if (!program) return tl::unexpected(program.error());
     s.setViews({&view, 1});
     s.atlas->memory().bind();
@@ -51,7 +52,8 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     (*program)->use();
     const glm::mat3 rays(pixelToRay(view));
     gl::api().ProgramUniformMatrix3fv((*program)->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
-    gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8), static_cast<GLuint>((view.height + 7) / 8), 1);
+    gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
+                              static_cast<GLuint>((view.height + 7) / 8), 1);
   }
   return flipped(target.width(), target.height(), gl::readTexture(target, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }

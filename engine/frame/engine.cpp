@@ -69,7 +69,8 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
     if (!visible) return tl::unexpected(visible.error());
     s.visible = std::move(*visible);
     std::vector<glsl::BatchGpu> batches;
-    for (const Batch& batch : s.draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
+    for (const Batch& batch : s.draw.batches)
+      batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
     auto atlas = RectAtlas::create(s.programs, options.atlas, s.draw.patchInstances, s.draw.entries, batches);
     if (!atlas) return tl::unexpected(atlas.error());
     s.atlas = std::move(*atlas);
@@ -97,7 +98,8 @@ void Engine::State::bindScene() {
 
 void Engine::State::setViews(std::span<const View> views) {
   std::vector<glsl::ViewGpu> records;
-  for (const View& view : views.first(std::min(views.size(), kMaxViews))) records.push_back(viewGpu(view, anchor));
+  for (const View& view : views.first(std::min(views.size(), kMaxViews)))
+    records.push_back(viewGpu(view, anchor));
   viewBuffer.write(std::span<const glsl::ViewGpu>(records));
 }
 
@@ -120,19 +122,22 @@ void Engine::update(double time) {
   }
   const Stage* stage = s.stage ? &*s.stage : nullptr;
   if (s.features.lights)
-    s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor, s.options.shadowSize);
+    s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor,
+                           s.options.shadowSize);
   if (first) {
     s.lightBuffer = gl::Buffer(s.lights.lights);
     s.shadowBuffer = gl::Buffer(s.lights.shadows);
     if (s.features.shadows) {
       const int size = s.options.shadowSize;
-      s.shadowMap = gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(s.lights.layers.size()));
+      s.shadowMap =
+          gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(s.lights.layers.size()));
       s.shadowMap.filter(GL_LINEAR, GL_LINEAR);
       s.shadowMap.wrap(GL_CLAMP_TO_EDGE);
       s.shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
       s.shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
       for (std::size_t i = 0; i < s.lights.layers.size(); ++i)
-        s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap, static_cast<int>(i));
+        s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
+                                          static_cast<int>(i));
     }
   } else {
     s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
@@ -161,8 +166,9 @@ Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp) 
   Image image{width, height, std::vector<std::uint8_t>(bottomUp.size())};
   const auto row = static_cast<std::size_t>(width) * 4;
   for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    std::copy_n(bottomUp.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height) - 1 - y) * row), row,
-                image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
+    std::copy_n(
+        bottomUp.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height) - 1 - y) * row), row,
+        image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
   return image;
 }
 
@@ -185,9 +191,9 @@ void Engine::blit(unsigned framebuffer, int x, int y, int width, int height) con
   const auto guard = s_->guard();
   gl::apply({});
   const bool same = width == s_->picture.color.width() && height == s_->picture.color.height();
-  gl::api().BlitNamedFramebuffer(s_->picture.encodedFramebuffer.get(), framebuffer, 0, 0, s_->picture.color.width(),
-                                 s_->picture.color.height(), x, y, x + width, y + height, GL_COLOR_BUFFER_BIT,
-                                 same ? GL_NEAREST : GL_LINEAR);
+  gl::api().BlitNamedFramebuffer(s_->picture.encodedFramebuffer.get(), framebuffer, 0, 0,
+                                 s_->picture.color.width(), s_->picture.color.height(), x, y, x + width,
+                                 y + height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
 }
 
 const Scene& Engine::scene() const { return s_->scene; }
@@ -222,9 +228,8 @@ std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   std::size_t targets = 0;
   for (const gl::Texture* texture : {&s.picture.color, &s.picture.depth, &s.id.ids, &s.id.depth})
     if (*texture) targets += texture->bytes();
-  std::vector<std::pair<std::string, std::size_t>> sizes = {{"geometry", s.buffers.geometryBytes},
-                                                            {"textures", s.buffers.textureBytes},
-                                                            {"targets", targets}};
+  std::vector<std::pair<std::string, std::size_t>> sizes = {
+      {"geometry", s.buffers.geometryBytes}, {"textures", s.buffers.textureBytes}, {"targets", targets}};
   if (s.atlas) sizes.emplace_back("atlas", s.atlas->bytes());
   if (s.shadowMap) sizes.emplace_back("shadow-map", s.shadowMap.bytes());
   return sizes;

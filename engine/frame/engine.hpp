@@ -32,13 +32,14 @@ struct EngineOptions {
   RectAtlasOptions atlas;
   PatchOptions patches;
   FrameRequest request{.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = true};
-  /// Triangles with an edge longer than this share of the scene's diagonal are split at load, so that huge quads
-  /// become patches of bounded size of which only the visible are shaded. (0, 1]; 0 = never. 1/24: measured default.
+  /// Triangles with an edge longer than this share of the scene's diagonal are split at load, so that huge
+  /// quads become patches of bounded size of which only the visible are shaded. (0, 1]; 0 = never. 1/24:
+  /// measured default.
   double splitEdges = 1.0 / 24.0;
-  int shadowSize = 1024;                        // texels a side of a shadow-map layer, [64, 8192]
-  glm::vec3 background{0.030f, 0.034f, 0.042f};  // display-referred linear
-  bool timePasses = false;                      // measure each pass: a finish or a query around it
-  bool countFragments = false;                  // pipeline statistics around forward and gather
+  int shadowSize = 1024;                                  // texels a side of a shadow-map layer, [64, 8192]
+  glm::vec3 background{0.030f, 0.034f, 0.042f};           // display-referred linear
+  bool timePasses = false;                                // measure each pass: a finish or a query around it
+  bool countFragments = false;                            // pipeline statistics around forward and gather
   std::function<void(const std::string& step)> progress;  // load steps, may be empty
 };
 
@@ -53,8 +54,9 @@ enum class DebugView : std::uint8_t { Ids, Patches, Levels, TexelDensity, Blocks
 
 class Engine {
  public:
-  /// Takes the scene, prepares and uploads it, and compiles every program its plan needs. The context must be current
-  /// on this thread, here and in every later call. Fails with the shader, image or limit that does not fit.
+  /// Takes the scene, prepares and uploads it, and compiles every program its plan needs. The context must be
+  /// current on this thread, here and in every later call. Fails with the shader, image or limit that does
+  /// not fit.
   static Result<std::unique_ptr<Engine>> create(gl::Context& context, Scene scene, std::optional<Stage> stage,
                                                 const EngineOptions& options);
   ~Engine();
@@ -69,8 +71,8 @@ class Engine {
   void place(std::span<const View> views);
   /// Shades every placed patch, as seen from `view`'s eye.
   void shade(const View& view);
-  /// Draws a view from the atlas into color(). Geometry: any camera, any size. Deferred: the view that findVisible was
-  /// last called with.
+  /// Draws a view from the atlas into color(). Geometry: any camera, any size. Deferred: the view that
+  /// findVisible was last called with.
   void display(const View& view, DisplayMode mode = DisplayMode::Geometry);
   /// The reference. With `depthPrepass`, depth alone is drawn first.
   void forward(const View& view, bool depthPrepass = false);
@@ -106,8 +108,8 @@ class Engine {
   [[nodiscard]] std::uint64_t fragments() const;
   /// Sum of triangles over the visible patches; blocking readback.
   [[nodiscard]] std::uint64_t visibleTriangles() const;
-  /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for Srgb8,
-  /// which cannot hold such a value.
+  /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for
+  /// Srgb8, which cannot hold such a value.
   [[nodiscard]] std::uint64_t nonFiniteTexels() const;
   /// Bytes of GPU memory by purpose: "geometry", "textures", "atlas", "targets", "shadow-map".
   [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> memory() const;

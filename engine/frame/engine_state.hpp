@@ -16,9 +16,9 @@ namespace tessera {
 
 /// Colour and depth of one picture.
 struct PictureTarget {
-  gl::Texture color;    // SRGB8_ALPHA8
-  gl::Texture encoded;  // its RGBA8 view
-  gl::Texture depth;    // DEPTH_COMPONENT32F
+  gl::Texture color;                   // SRGB8_ALPHA8
+  gl::Texture encoded;                 // its RGBA8 view
+  gl::Texture depth;                   // DEPTH_COMPONENT32F
   gl::Framebuffer framebuffer;         // of color
   gl::Framebuffer encodedFramebuffer;  // of encoded: writes are copied as they are
   void resize(int width, int height);
@@ -91,7 +91,8 @@ struct Engine::State {
   gl::Query fragmentQuery;
   std::uint64_t fragments = 0;
 
-  /// Runs a pass of the plan with its barriers and its timer; does nothing for a pass that the plan does not have.
+  /// Runs a pass of the plan with its barriers and its timer; does nothing for a pass that the plan does not
+  /// have.
   template <class Run>
   void pass(const char* name, Run&& run) {
     const Pass* planned = graph.find(name);
@@ -120,7 +121,8 @@ struct Engine::State {
   }
   /// A host's state is saved around every call; contexts of our own have no one to be kind to.
   [[nodiscard]] std::optional<gl::StateGuard> guard() const {
-    return context->info().backend == gl::Backend::Host ? std::optional<gl::StateGuard>(std::in_place) : std::nullopt;
+    return context->info().backend == gl::Backend::Host ? std::optional<gl::StateGuard>(std::in_place)
+                                                        : std::nullopt;
   }
 
   Result<void> compile();
@@ -130,7 +132,8 @@ struct Engine::State {
   /// Uploads the list's commands and makes them current.
   void useCommands(const DrawList& list);
   void drawRange(const DrawRange& range) const;
-  /// Draws all of a list with depth-only or id programs, material by material only where the alpha test needs it.
+  /// Draws all of a list with depth-only or id programs, material by material only where the alpha test needs
+  /// it.
   void drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program, bool cull, int layer);
   void drawShadows();
   void drawTransparent(const View& view, const char* passName, const gl::Texture& depth);

@@ -9,8 +9,8 @@ namespace tessera {
 namespace {
 
 void note(SceneFeatures& features, const char* name, const std::string& reason) {
-  const bool known =
-      std::any_of(features.effects.begin(), features.effects.end(), [&](const Effect& e) { return e.name == name; });
+  const bool known = std::any_of(features.effects.begin(), features.effects.end(),
+                                 [&](const Effect& e) { return e.name == name; });
   if (!known) features.effects.push_back({name, reason});
 }
 
@@ -21,7 +21,8 @@ std::string quoted(const char* kind, const std::string& name, std::size_t index)
 void noteMaterial(SceneFeatures& features, const Material& material, std::size_t index) {
   const std::string reason = quoted("material", material.name, index);
   switch (material.alphaMode) {
-    case AlphaMode::Opaque: break;
+    case AlphaMode::Opaque:
+      break;
     case AlphaMode::Mask:
       features.mask = true;
       note(features, "alpha-mask", reason);
@@ -143,11 +144,12 @@ Permutation permutationOf(const Material& material, bool vertexColor, const Scen
     p.shadows = features.shadows;
     p.hemisphere = features.hemisphere;
   }
-  const std::array<std::pair<bool, const TextureSlot*>, 5> slots = {{{p.baseTexture, &material.baseColor},
-                                                                     {p.metallicRoughnessTexture, &material.metallicRoughness},
-                                                                     {p.normalTexture, &material.normal},
-                                                                     {p.occlusionTexture, &material.occlusion},
-                                                                     {p.emissiveTexture, &material.emissive}}};
+  const std::array<std::pair<bool, const TextureSlot*>, 5> slots = {
+      {{p.baseTexture, &material.baseColor},
+       {p.metallicRoughnessTexture, &material.metallicRoughness},
+       {p.normalTexture, &material.normal},
+       {p.occlusionTexture, &material.occlusion},
+       {p.emissiveTexture, &material.emissive}}};
   for (const auto& [read, slot] : slots) {
     if (!read) continue;
     (slot->uvSet == 0 ? p.usesUv0 : p.usesUv1) = true;

@@ -17,20 +17,21 @@ struct Effect {
 
 /// Everything the frame's plan depends on.
 struct SceneFeatures {
-  bool opaque = false;    // any OPAQUE or MASK geometry: what the atlas shades
+  bool opaque = false;  // any OPAQUE or MASK geometry: what the atlas shades
   bool mask = false;
   bool blend = false;
   bool lights = false;
   bool shadows = false;
   bool hemisphere = false;
-  bool animated = false;  // instance transforms change over time
+  bool animated = false;        // instance transforms change over time
   std::vector<Effect> effects;  // in a fixed order, each once
 };
 
 /// `stage` may be null. Only materials that instances use count.
 SceneFeatures findFeatures(const Scene& scene, const Stage* stage);
 
-/// Which code a material needs; impossible pairs are dropped (an unlit material has no normal map, no lights).
+/// Which code a material needs; impossible pairs are dropped (an unlit material has no normal map, no
+/// lights).
 struct Permutation {
   bool baseTexture = false;
   bool metallicRoughnessTexture = false;

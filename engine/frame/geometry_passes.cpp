@@ -66,8 +66,8 @@ void Engine::State::drawRange(const DrawRange& range) const {
                                       static_cast<GLsizei>(range.count), 0);
 }
 
-void Engine::State::drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program, bool doCull,
-                                  int layer) {
+void Engine::State::drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program,
+                                  bool doCull, int layer) {
   useCommands(list);
   for (std::size_t i = 0; i < list.ranges.size(); ++i) {
     DrawRange run = list.ranges[i];
@@ -112,13 +112,15 @@ void Engine::State::drawShadows() {
     bindScene();
     for (std::size_t layer = 0; layer < lights.layers.size(); ++layer) {
       if (!stale[layer]) continue;
-      // The slope-scaled offset covers what the normal offset in lib/shadow.glsl does not: the map's own sampling.
-      beginPass(shadowFramebuffers[layer], options.shadowSize, options.shadowSize,
-                {.depth = gl::DepthTest::Less, .depthWrite = true, .offsetFactor = 1.5f, .offsetUnits = 2.0f});
+      // The slope-scaled offset covers what the normal offset in lib/shadow.glsl does not: the map's own
+      // sampling.
+      beginPass(
+          shadowFramebuffers[layer], options.shadowSize, options.shadowSize,
+          {.depth = gl::DepthTest::Less, .depthWrite = true, .offsetFactor = 1.5f, .offsetUnits = 2.0f});
       clearDepth(shadowFramebuffers[layer], 1.0f);
       // Both sides cast: thin walls and open meshes throw shadows from either.
-      drawDepthList(cull(scene, draw, bounds, mirrored, lights.layers[layer].frustum), &BatchPrograms::shadow, false,
-                    static_cast<int>(layer));
+      drawDepthList(cull(scene, draw, bounds, mirrored, lights.layers[layer].frustum), &BatchPrograms::shadow,
+                    false, static_cast<int>(layer));
     }
   });
 }
@@ -133,7 +135,8 @@ void Engine::findVisible(std::span<const View> views) {
     s.setViews({&view, 1});
     s.id.resize(view.width, view.height);
     s.pass("id", [&] {
-      beginPass(s.id.framebuffer, view.width, view.height, {.depth = gl::DepthTest::Greater, .depthWrite = true});
+      beginPass(s.id.framebuffer, view.width, view.height,
+                {.depth = gl::DepthTest::Greater, .depthWrite = true});
       const std::array<GLuint, 4> none = {0, 0, 0, 0};
       gl::api().ClearNamedFramebufferuiv(s.id.framebuffer.get(), GL_COLOR, 0, none.data());
       clearDepth(s.id.framebuffer, 0.0f);
@@ -155,7 +158,8 @@ void Engine::forward(const View& view, bool depthPrepass) {
   const bool prepass = depthPrepass && s.graph.find("depth-prepass") != nullptr;
   if (prepass)
     s.pass("depth-prepass", [&] {
-      beginPass(s.picture.framebuffer, view.width, view.height, {.depth = gl::DepthTest::Greater, .depthWrite = true});
+      beginPass(s.picture.framebuffer, view.width, view.height,
+                {.depth = gl::DepthTest::Greater, .depthWrite = true});
       gl::api().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
       clearDepth(s.picture.framebuffer, 0.0f);
       s.drawDepthList(list, &BatchPrograms::depthOnly, true, -1);
@@ -194,7 +198,8 @@ void Engine::State::drawTransparent(const View& view, const char* passName, cons
   if (!features.blend) return;
   pass(passName, [&] {
     const std::array<const gl::Texture*, 1> colors = {&picture.color};
-    const gl::Framebuffer own = &depth == &picture.depth ? gl::Framebuffer() : gl::Framebuffer(colors, &depth);
+    const gl::Framebuffer own =
+        &depth == &picture.depth ? gl::Framebuffer() : gl::Framebuffer(colors, &depth);
     beginPass(own ? own : picture.framebuffer, view.width, view.height,
               {.depth = gl::DepthTest::GreaterEqual, .blend = true, .encodeSrgb = true});
     gl::api().BindVertexArray(buffers.vertexArray.get());
@@ -214,7 +219,8 @@ void Engine::State::drawTransparent(const View& view, const char* passName, cons
       box.max -= anchor;
       if (frustum.touches(box)) items.push_back({distance, i});
     }
-    std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.distance > b.distance; });
+    std::stable_sort(items.begin(), items.end(),
+                     [](const Item& a, const Item& b) { return a.distance > b.distance; });
     std::vector<std::pair<float, std::uint32_t>> order;
     std::vector<std::uint32_t> sorted;
     for (const Item& item : items) {
@@ -226,23 +232,26 @@ void Engine::State::drawTransparent(const View& view, const char* passName, cons
       const std::uint32_t* triangles = scene.indices.data() + primitive.firstIndex;
       order.clear();
       for (std::uint32_t t = 0; t < primitive.indexCount / 3; ++t) {
-        const glm::vec3 centre = (scene.vertices.position[triangles[3 * t]] + scene.vertices.position[triangles[3 * t + 1]] +
-                                  scene.vertices.position[triangles[3 * t + 2]]) /
-                                 3.0f;
+        const glm::vec3 centre =
+            (scene.vertices.position[triangles[3 * t]] + scene.vertices.position[triangles[3 * t + 1]] +
+             scene.vertices.position[triangles[3 * t + 2]]) /
+            3.0f;
         const glm::vec3 d = centre - eye;
         order.emplace_back(-glm::dot(d, d), t);
       }
-      std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      std::stable_sort(order.begin(), order.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
       sorted.clear();
-      for (const auto& [distance, t] : order) sorted.insert(sorted.end(), triangles + 3 * t, triangles + 3 * t + 3);
+      for (const auto& [distance, t] : order)
+        sorted.insert(sorted.end(), triangles + 3 * t, triangles + 3 * t + 3);
       blendIndices.write(std::span<const std::uint32_t>(sorted));
       const BlendedPrograms& chosen = blendedPrograms[item.index];
       chosen.forward->use();
       chosen.forward->set(LOCATION_MATERIAL, primitive.material);
       buffers.bindMaterial(primitive.material, chosen.shading);
       gl::applyCulling(!material.doubleSided, mirrors(world));
-      gl::api().DrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(sorted.size()), GL_UNSIGNED_INT,
-                                                  nullptr, 1,
+      gl::api().DrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(sorted.size()),
+                                                  GL_UNSIGNED_INT, nullptr, 1,
                                                   static_cast<GLuint>(draw.instances.size() + item.index));
     }
     gl::api().VertexArrayElementBuffer(buffers.vertexArray.get(), buffers.indices.get());

@@ -25,7 +25,8 @@ void FrameGraph::keep(std::span<const std::string> outputs) {
 }
 
 const Pass* FrameGraph::find(const std::string& name) const {
-  const auto found = std::find_if(passes_.begin(), passes_.end(), [&](const Pass& p) { return p.name == name; });
+  const auto found =
+      std::find_if(passes_.begin(), passes_.end(), [&](const Pass& p) { return p.name == name; });
   return found == passes_.end() ? nullptr : &*found;
 }
 
@@ -52,12 +53,18 @@ namespace {
 
 std::uint32_t barrierBit(Access access) {
   switch (access) {
-    case Access::Storage: return GL_SHADER_STORAGE_BARRIER_BIT;
-    case Access::Image: return GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
-    case Access::Texture: return GL_TEXTURE_FETCH_BARRIER_BIT;
-    case Access::Target: return GL_FRAMEBUFFER_BARRIER_BIT;
-    case Access::Indirect: return GL_COMMAND_BARRIER_BIT;
-    case Access::Vertex: return GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT;
+    case Access::Storage:
+      return GL_SHADER_STORAGE_BARRIER_BIT;
+    case Access::Image:
+      return GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
+    case Access::Texture:
+      return GL_TEXTURE_FETCH_BARRIER_BIT;
+    case Access::Target:
+      return GL_FRAMEBUFFER_BARRIER_BIT;
+    case Access::Indirect:
+      return GL_COMMAND_BARRIER_BIT;
+    case Access::Vertex:
+      return GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT;
   }
   return GL_ALL_BARRIER_BITS;
 }
@@ -99,16 +106,23 @@ FrameGraph planFrame(const SceneFeatures& features, const FrameRequest& request)
   if (atlas) {
     graph.add({"id", "visibility", {}, {{"ids", Access::Target}, {"id-depth", Access::Target}}});
     graph.add({"mark", "visibility", {{"ids", Access::Texture}}, {storage("visible-set")}});
-    graph.add({"levels", "place", {storage("visible-set"), {"visible-set", Access::Indirect}}, {storage("patch-levels")}});
+    graph.add({"levels",
+               "place",
+               {storage("visible-set"), {"visible-set", Access::Indirect}},
+               {storage("patch-levels")}});
     graph.add({"memory",
                "place",
-               {storage("visible-set"), storage("patch-levels"), storage("patch-state"), {"visible-set", Access::Indirect}},
+               {storage("visible-set"),
+                storage("patch-levels"),
+                storage("patch-state"),
+                {"visible-set", Access::Indirect}},
                {storage("patch-state")}});
     graph.add({"emit",
                "place",
                {storage("visible-set"), storage("patch-state"), {"visible-set", Access::Indirect}},
                {storage("draw-vertices"), storage("draw-commands")}});
-    std::vector<Use> reads = {{"draw-vertices", Access::Vertex}, storage("draw-vertices"), {"draw-commands", Access::Indirect}};
+    std::vector<Use> reads = {
+        {"draw-vertices", Access::Vertex}, storage("draw-vertices"), {"draw-commands", Access::Indirect}};
     reads.insert(reads.end(), shadowRead.begin(), shadowRead.end());
     graph.add({"gather", "shade", reads, {{"atlas", Access::Target}}});
     if (request.displayGeometry)
@@ -122,7 +136,10 @@ FrameGraph planFrame(const SceneFeatures& features, const FrameRequest& request)
     if (request.displayDeferred)
       graph.add({"display-deferred",
                  "display",
-                 {{"atlas", Access::Texture}, {"ids", Access::Texture}, {"id-depth", Access::Target}, storage("draw-vertices")},
+                 {{"atlas", Access::Texture},
+                  {"ids", Access::Texture},
+                  {"id-depth", Access::Target},
+                  storage("draw-vertices")},
                  {{"rect-color", Access::Image}}});
   }
   std::vector<std::string> outputs;
@@ -142,7 +159,10 @@ FrameGraph planFrame(const SceneFeatures& features, const FrameRequest& request)
         graph.add({"depth-prepass", "forward", {}, {{"forward-depth", Access::Target}}});
         reads.push_back({"forward-depth", Access::Target});
       }
-      graph.add({"forward", "forward", reads, {{"forward-color", Access::Target}, {"forward-depth", Access::Target}}});
+      graph.add({"forward",
+                 "forward",
+                 reads,
+                 {{"forward-color", Access::Target}, {"forward-depth", Access::Target}}});
     }
     if (features.blend) {
       reads = shadowRead;

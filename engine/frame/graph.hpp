@@ -1,5 +1,5 @@
-// The frame as a graph: a pass declares what it reads and writes; what no output needs is dropped, and memory barriers
-// follow from the declarations. No GL calls here: barriers are returned as bits.
+// The frame as a graph: a pass declares what it reads and writes; what no output needs is dropped, and memory
+// barriers follow from the declarations. No GL calls here: barriers are returned as bits.
 #pragma once
 
 #include <cstdint>
@@ -46,23 +46,24 @@ class FrameGraph {
   std::vector<Pass> passes_;
 };
 
-/// Remembers how each resource was last written, over stages and frames, and says which glMemoryBarrier bits a pass
-/// needs before it runs. Writes of the fixed-function kind (targets) are coherent by themselves.
+/// Remembers how each resource was last written, over stages and frames, and says which glMemoryBarrier bits
+/// a pass needs before it runs. Writes of the fixed-function kind (targets) are coherent by themselves.
 class BarrierTracker {
  public:
   std::uint32_t before(const Pass& pass);
 
  private:
-  std::map<std::string, std::uint32_t> pending_;  // bits already issued since an incoherent write, by resource
+  std::map<std::string, std::uint32_t>
+      pending_;  // bits already issued since an incoherent write, by resource
 };
 
 /// What a frame is asked for.
 struct FrameRequest {
-  bool rect = false;            // shade into the rectangular atlas
-  bool displayGeometry = true;  // display by geometry; with rect only
-  bool displayDeferred = false; // display from the id buffer; with rect only
+  bool rect = false;             // shade into the rectangular atlas
+  bool displayGeometry = true;   // display by geometry; with rect only
+  bool displayDeferred = false;  // display from the id buffer; with rect only
   bool forward = false;
-  bool depthPrepass = false;    // with forward
+  bool depthPrepass = false;  // with forward
 };
 
 struct SceneFeatures;

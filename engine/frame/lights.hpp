@@ -24,8 +24,9 @@ struct LightSet {
   std::vector<glsl::ShadowGpu> shadows;
 };
 
-/// GPU records of the lights and the shadow layers they need. `bounds` is what a directional light must cover and how
-/// far an unlimited light reaches, world space; `shadowSize` the side of a layer in texels.
-LightSet buildLights(const std::vector<LightSample>& lights, const Box& bounds, const glm::dvec3& anchor, int shadowSize);
+/// GPU records of the lights and the shadow layers they need. `bounds` is what a directional light must cover
+/// and how far an unlimited light reaches, world space; `shadowSize` the side of a layer in texels.
+LightSet buildLights(const std::vector<LightSample>& lights, const Box& bounds, const glm::dvec3& anchor,
+                     int shadowSize);
 
 }  // namespace tessera

@@ -16,7 +16,8 @@ gl::Defines definesOf(const Permutation& permutation, std::initializer_list<cons
 
 Result<void> Engine::State::compile() {
   std::string error;
-  const auto get = [&](std::initializer_list<std::string> paths, const gl::Defines& defines) -> const gl::Program* {
+  const auto get = [&](std::initializer_list<std::string> paths,
+                       const gl::Defines& defines) -> const gl::Program* {
     auto program = programs.get(paths, defines);
     if (program) return *program;
     if (error.empty()) error = program.error().message;
@@ -37,7 +38,8 @@ Result<void> Engine::State::compile() {
       p.id = get({"pass/depth.vert", "pass/id.frag"}, definesOf(p.depth, {"WRITE_ID"}));
     }
     if (has("depth-prepass")) p.depthOnly = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth));
-    if (has("shadow")) p.shadow = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth, {"SHADOW_LAYER"}));
+    if (has("shadow"))
+      p.shadow = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth, {"SHADOW_LAYER"}));
     if (has("display")) p.display = get({"pass/display.vert", "pass/display.frag"}, definesOf(p.depth));
     batchPrograms.push_back(p);
   }

@@ -12,18 +12,24 @@ namespace {
 GLint minFilter(const Sampler& sampler) {
   const bool linear = sampler.min == Filter::Linear;
   switch (sampler.mip) {
-    case Mip::None: return linear ? GL_LINEAR : GL_NEAREST;
-    case Mip::Nearest: return linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
-    case Mip::Linear: return linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
+    case Mip::None:
+      return linear ? GL_LINEAR : GL_NEAREST;
+    case Mip::Nearest:
+      return linear ? GL_LINEAR_MIPMAP_NEAREST : GL_NEAREST_MIPMAP_NEAREST;
+    case Mip::Linear:
+      return linear ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_LINEAR;
   }
   return GL_LINEAR_MIPMAP_LINEAR;
 }
 
 GLint wrapMode(Wrap wrap) {
   switch (wrap) {
-    case Wrap::Repeat: return GL_REPEAT;
-    case Wrap::Mirror: return GL_MIRRORED_REPEAT;
-    case Wrap::Clamp: return GL_CLAMP_TO_EDGE;
+    case Wrap::Repeat:
+      return GL_REPEAT;
+    case Wrap::Mirror:
+      return GL_MIRRORED_REPEAT;
+    case Wrap::Clamp:
+      return GL_CLAMP_TO_EDGE;
   }
   return GL_REPEAT;
 }
@@ -34,8 +40,8 @@ glsl::MaterialGpu materialRecord(const Material& material) {
   gpu.emissive = glm::vec4(material.emissiveFactor, material.alphaCutoff);
   gpu.factors = glm::vec4(material.metallicFactor, material.roughnessFactor, material.normalScale,
                           material.occlusionStrength);
-  const std::array<const TextureSlot*, 5> slots = {&material.baseColor, &material.metallicRoughness, &material.normal,
-                                                   &material.occlusion, &material.emissive};
+  const std::array<const TextureSlot*, 5> slots = {&material.baseColor, &material.metallicRoughness,
+                                                   &material.normal, &material.occlusion, &material.emissive};
   for (std::size_t i = 0; i < slots.size(); ++i) {
     gpu.uvRows[2 * i] = glm::vec4(slots[i]->uvTransform[0], static_cast<float>(slots[i]->uvSet));
     gpu.uvRows[2 * i + 1] = glm::vec4(slots[i]->uvTransform[1], 0.0f);
@@ -104,8 +110,8 @@ std::array<MaterialUse, 5> usesOf(const Material& material, const Permutation& p
 
 }  // namespace
 
-std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawScene& draw, const SceneState& state,
-                                               const glm::dvec3& anchor) {
+std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawScene& draw,
+                                               const SceneState& state, const glm::dvec3& anchor) {
   std::vector<glsl::InstanceGpu> records;
   records.reserve(draw.instances.size() + draw.blended.size());
   auto add = [&](const Instance& instance, std::uint32_t patchBase, std::uint32_t batch) {
@@ -114,7 +120,8 @@ std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawSce
     const std::uint32_t material = scene.primitives[instance.primitive].material;
     glsl::InstanceGpu gpu{};
     for (int row = 0; row < 3; ++row) {
-      const glm::vec4 values(glm::dvec4(world[0][row], world[1][row], world[2][row], world[3][row] - anchor[row]));
+      const glm::vec4 values(
+          glm::dvec4(world[0][row], world[1][row], world[2][row], world[3][row] - anchor[row]));
       (row == 0 ? gpu.row0 : row == 1 ? gpu.row1 : gpu.row2) = values;
     }
     gpu.patchBase = patchBase;
@@ -128,7 +135,8 @@ std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawSce
     gpu.material = material;
     records.push_back(gpu);
   };
-  for (std::size_t i = 0; i < draw.instances.size(); ++i) add(draw.instances[i], draw.patchBase[i], draw.batchOf[i]);
+  for (std::size_t i = 0; i < draw.instances.size(); ++i)
+    add(draw.instances[i], draw.patchBase[i], draw.batchOf[i]);
   for (const Instance& instance : draw.blended) add(instance, 0, 0);
   return records;
 }
@@ -155,12 +163,13 @@ Result<SceneBuffers> upload(Scene& scene, const DrawScene& draw) {
   for (const Material& material : scene.materials) materials.push_back(materialRecord(material));
   buffers.materials = gl::Buffer(materials, 0);
   std::vector<glsl::BatchGpu> batches;
-  for (const Batch& batch : draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
+  for (const Batch& batch : draw.batches)
+    batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
   buffers.batches = gl::Buffer(batches, 0);
   buffers.instances = gl::Buffer((draw.instances.size() + draw.blended.size()) * sizeof(glsl::InstanceGpu));
-  for (const gl::Buffer* buffer : {&buffers.positions, &buffers.normals, &buffers.tangents, &buffers.uv0, &buffers.uv1,
-                                   &buffers.colors, &buffers.indices, &buffers.patches, &buffers.patchInstance,
-                                   &buffers.instances, &buffers.materials})
+  for (const gl::Buffer* buffer :
+       {&buffers.positions, &buffers.normals, &buffers.tangents, &buffers.uv0, &buffers.uv1, &buffers.colors,
+        &buffers.indices, &buffers.patches, &buffers.patchInstance, &buffers.instances, &buffers.materials})
     buffers.geometryBytes += buffer->size();
 
   buffers.vertexArray = gl::VertexArray::make();
@@ -180,7 +189,8 @@ Result<SceneBuffers> upload(Scene& scene, const DrawScene& draw) {
     if (!used[m]) continue;
     const auto uses = usesOf(scene.materials[m], permutationOf(scene.materials[m], false, {}));
     for (std::size_t slot = 0; slot < uses.size(); ++slot)
-      if (uses[slot].read) buffers.materialBindings[m][slot] = uploader.use(*uses[slot].slot, uses[slot].srgb);
+      if (uses[slot].read)
+        buffers.materialBindings[m][slot] = uploader.use(*uses[slot].slot, uses[slot].srgb);
   }
   for (SceneImage& image : scene.images) std::vector<std::uint8_t>().swap(image.image.pixels);
   return buffers;
@@ -202,7 +212,8 @@ void SceneBuffers::bind() const {
 
 void SceneBuffers::bindMaterial(std::uint32_t material, const Permutation& permutation) const {
   const std::array<bool, 5> read = {permutation.baseTexture, permutation.metallicRoughnessTexture,
-                                    permutation.normalTexture, permutation.occlusionTexture, permutation.emissiveTexture};
+                                    permutation.normalTexture, permutation.occlusionTexture,
+                                    permutation.emissiveTexture};
   for (GLuint slot = 0; slot < read.size(); ++slot) {
     if (!read[slot]) continue;
     const Binding& binding = materialBindings[material][slot];

@@ -15,11 +15,11 @@ namespace tessera {
 struct SceneBuffers {
   gl::Buffer positions, normals, tangents, uv0, uv1, colors;
   gl::Buffer indices;
-  gl::Buffer instances;   // InstanceGpu: opaque and masked ones, then blended ones
-  gl::Buffer patches;     // PatchGeometry
+  gl::Buffer instances;  // InstanceGpu: opaque and masked ones, then blended ones
+  gl::Buffer patches;    // PatchGeometry
   gl::Buffer patchInstance;
-  gl::Buffer materials;   // MaterialGpu
-  gl::Buffer batches;     // BatchGpu
+  gl::Buffer materials;  // MaterialGpu
+  gl::Buffer batches;    // BatchGpu
   gl::VertexArray vertexArray;
   std::vector<gl::Texture> textures;
   std::vector<gl::Sampler> samplers;
@@ -37,11 +37,12 @@ struct SceneBuffers {
   void bindMaterial(std::uint32_t material, const Permutation& permutation) const;
 };
 
-/// Uploads everything; images that are uploaded are freed from `scene` on the way, so that the peak stays low.
+/// Uploads everything; images that are uploaded are freed from `scene` on the way, so that the peak stays
+/// low.
 Result<SceneBuffers> upload(Scene& scene, const DrawScene& draw);
 
 /// The GPU records of the draw scene's instances followed by the blended ones, relative to `anchor`.
-std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawScene& draw, const SceneState& state,
-                                               const glm::dvec3& anchor);
+std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawScene& draw,
+                                               const SceneState& state, const glm::dvec3& anchor);
 
 }  // namespace tessera

@@ -12,21 +12,25 @@ namespace {
 glm::dmat4 rotationOf(const View& view) {
   const glm::dvec3 right = glm::normalize(glm::cross(view.forward, view.up));
   const glm::dvec3 up = glm::cross(right, view.forward);
-  return glm::transpose(glm::dmat4(glm::dvec4(right, 0.0), glm::dvec4(up, 0.0), glm::dvec4(-view.forward, 0.0),
-                                   glm::dvec4(0.0, 0.0, 0.0, 1.0)));
+  return glm::transpose(glm::dmat4(glm::dvec4(right, 0.0), glm::dvec4(up, 0.0),
+                                   glm::dvec4(-view.forward, 0.0), glm::dvec4(0.0, 0.0, 0.0, 1.0)));
 }
 
-double aspectOf(const View& view) { return static_cast<double>(view.width) / static_cast<double>(view.height); }
+double aspectOf(const View& view) {
+  return static_cast<double>(view.width) / static_cast<double>(view.height);
+}
 
 }  // namespace
 
-View lookAt(const glm::dvec3& eye, const glm::dvec3& target, double fovYDegrees, int width, int height, double zNear) {
+View lookAt(const glm::dvec3& eye, const glm::dvec3& target, double fovYDegrees, int width, int height,
+            double zNear) {
   View view;
   view.eye = eye;
   const glm::dvec3 towards = target - eye;
   const double distance = glm::length(towards);
   view.forward = distance > 0.0 ? towards / distance : glm::dvec3(0.0, 0.0, -1.0);
-  const glm::dvec3 hint = std::abs(view.forward.y) > 0.9999 ? glm::dvec3(0.0, 0.0, -1.0) : glm::dvec3(0.0, 1.0, 0.0);
+  const glm::dvec3 hint =
+      std::abs(view.forward.y) > 0.9999 ? glm::dvec3(0.0, 0.0, -1.0) : glm::dvec3(0.0, 1.0, 0.0);
   view.up = glm::normalize(glm::cross(glm::cross(view.forward, hint), view.forward));
   view.fovY = glm::radians(fovYDegrees);
   view.zNear = zNear;
@@ -39,7 +43,8 @@ View viewOf(const CameraKey& key, int width, int height, double zNear) {
   return lookAt(key.eye, key.target, key.fovY, width, height, zNear);
 }
 
-View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int width, int height, double zNear) {
+View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int width, int height,
+            double zNear) {
   const Camera& camera = scene.cameras[index];
   glm::dmat4 world(1.0);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i)
@@ -50,7 +55,8 @@ View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int 
   const glm::dvec3 up(world[1]);
   if (glm::length(back) > 0.0) view.forward = -glm::normalize(back);
   const glm::dvec3 side = glm::cross(view.forward, up);
-  view.up = glm::length(side) > 0.0 ? glm::normalize(glm::cross(side, view.forward)) : glm::dvec3(0.0, 1.0, 0.0);
+  view.up =
+      glm::length(side) > 0.0 ? glm::normalize(glm::cross(side, view.forward)) : glm::dvec3(0.0, 1.0, 0.0);
   view.width = width;
   view.height = height;
   view.zNear = zNear;
@@ -58,7 +64,8 @@ View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int 
     view.fovY = camera.fovY;
     view.zNear = camera.zNear > 0.0 ? camera.zNear : zNear;
   } else {
-    constexpr double kNarrow = 0.05;  // radians: nearly parallel rays, with the same height at the scene's distance
+    constexpr double kNarrow =
+        0.05;  // radians: nearly parallel rays, with the same height at the scene's distance
     view.fovY = kNarrow;
     view.eye -= view.forward * (camera.yMag / std::tan(kNarrow * 0.5));
   }
@@ -102,7 +109,8 @@ glm::dmat3 pixelToRay(const View& view) {
   const double tanX = tanY * aspectOf(view);
   const glm::dvec3 right = glm::normalize(glm::cross(view.forward, view.up));
   const glm::dvec3 up = glm::cross(right, view.forward);
-  return {view.forward - right * tanX - up * tanY, right * (2.0 * tanX / view.width), up * (2.0 * tanY / view.height)};
+  return {view.forward - right * tanX - up * tanY, right * (2.0 * tanX / view.width),
+          up * (2.0 * tanY / view.height)};
 }
 
 Frustum frustumOf(const glm::dmat4& m) {
@@ -113,7 +121,8 @@ Frustum frustumOf(const glm::dmat4& m) {
   Frustum frustum;
   for (const glm::dvec4& plane : {w + x, w - x, w + y, w - y, z, w - z}) {
     // The far plane of an infinite projection has no direction: it cuts nothing.
-    if (glm::length(glm::dvec3(plane)) > 0.0) frustum.planes[static_cast<std::size_t>(frustum.count++)] = plane;
+    if (glm::length(glm::dvec3(plane)) > 0.0)
+      frustum.planes[static_cast<std::size_t>(frustum.count++)] = plane;
   }
   return frustum;
 }

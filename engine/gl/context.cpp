@@ -28,8 +28,8 @@ constexpr std::array kStandIns = {
     StandIn{"GL_ARB_texture_filter_anisotropic", false},
 };
 
-void GLAD_API_PTR onDebugMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* message,
-                                 const void* user) {
+void GLAD_API_PTR onDebugMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length,
+                                 const GLchar* message, const void* user) {
   if (severity != GL_DEBUG_SEVERITY_HIGH && type != GL_DEBUG_TYPE_ERROR) return;
   // The callback's user pointer is const by signature only.
   auto* errors = static_cast<std::vector<std::string>*>(const_cast<void*>(user));
@@ -73,7 +73,8 @@ class OsMesaContext final : public Context {
   }
 
  private:
-  static constexpr int kSide = 16;  // the window buffer is never drawn to: all rendering goes to framebuffer objects
+  static constexpr int kSide =
+      16;  // the window buffer is never drawn to: all rendering goes to framebuffer objects
   OSMesaContext handle_ = nullptr;
   std::array<unsigned char, static_cast<std::size_t>(kSide) * kSide * 4> buffer_{};
 };
@@ -86,7 +87,8 @@ class EglContext final : public Context {
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
     if (getPlatformDisplay == nullptr) return fail("EGL: eglGetPlatformDisplayEXT is missing");
     context->display_ = getPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-    if (context->display_ == EGL_NO_DISPLAY || eglInitialize(context->display_, nullptr, nullptr) == EGL_FALSE)
+    if (context->display_ == EGL_NO_DISPLAY ||
+        eglInitialize(context->display_, nullptr, nullptr) == EGL_FALSE)
       return fail("EGL: no surfaceless display ({:#x})", eglGetError());
     if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) return fail("EGL: desktop OpenGL is not offered");
     for (const int minor : {6, 5}) {
@@ -119,7 +121,9 @@ class EglContext final : public Context {
   }
 
  protected:
-  bool bind() override { return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, handle_) == EGL_TRUE; }
+  bool bind() override {
+    return eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, handle_) == EGL_TRUE;
+  }
 
  private:
   EGLDisplay display_ = EGL_NO_DISPLAY;
@@ -158,7 +162,9 @@ Result<std::unique_ptr<Context>> Context::createOsMesa(const ContextOptions& opt
 Result<std::unique_ptr<Context>> Context::createEgl(const ContextOptions& options) {
   return EglContext::create(options);
 }
-Result<std::unique_ptr<Context>> Context::adoptCurrent(GetProc getProc) { return HostContext::create(getProc); }
+Result<std::unique_ptr<Context>> Context::adoptCurrent(GetProc getProc) {
+  return HostContext::create(getProc);
+}
 
 Context::~Context() {
   if (current == &functions_) current = nullptr;
@@ -188,8 +194,9 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
   gl.GetIntegerv(GL_MAJOR_VERSION, &info_.major);
   gl.GetIntegerv(GL_MINOR_VERSION, &info_.minor);
   if (info_.major < 4 || (info_.major == 4 && info_.minor < 5))
-    return fail("{} ({}): OpenGL {}.{} is too old: 4.6 is needed, or 4.5 with the extensions that 4.6 made core", name,
-                info_.renderer, info_.major, info_.minor);
+    return fail(
+        "{} ({}): OpenGL {}.{} is too old: 4.6 is needed, or 4.5 with the extensions that 4.6 made core",
+        name, info_.renderer, info_.major, info_.minor);
   const bool is46 = info_.major > 4 || info_.minor >= 6;
   info_.shaderHeader = is46 ? "#version 460 core\n" : "#version 450 core\n";
   if (!is46) {
@@ -197,7 +204,8 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
     gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
     std::vector<std::string> offered;
     for (GLint i = 0; i < count; ++i)
-      offered.emplace_back(reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
+      offered.emplace_back(
+          reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
     std::string missing;
     for (const StandIn& standIn : kStandIns) {
       if (std::find(offered.begin(), offered.end(), standIn.extension) == offered.end()) {
@@ -206,9 +214,10 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
       }
       info_.standIns.emplace_back(standIn.extension);
       if (standIn.inShaders)
-        info_.shaderHeader += std::string("#extension ") + standIn.extension +
-                              " : require\n#define gl_DrawID gl_DrawIDARB\n#define gl_BaseInstance gl_BaseInstanceARB\n"
-                              "#define gl_BaseVertex gl_BaseVertexARB\n";
+        info_.shaderHeader +=
+            std::string("#extension ") + standIn.extension +
+            " : require\n#define gl_DrawID gl_DrawIDARB\n#define gl_BaseInstance gl_BaseInstanceARB\n"
+            "#define gl_BaseVertex gl_BaseVertexARB\n";
     }
     if (!missing.empty())
       return fail("{} ({}): OpenGL 4.5 lacks what 4.6 made core: {}", name, info_.renderer, missing);

@@ -42,13 +42,14 @@ struct ContextOptions {
 /// The loader a host passes: the address of a GL function by name, or null.
 using GetProc = void (*(*)(const char* name))();
 
-/// A GL context with its own function table. 4.6 is asked for; 4.5 is accepted when the extensions that 4.6 made core
-/// and that the engine uses are there; less is refused with the list of what is missing.
+/// A GL context with its own function table. 4.6 is asked for; 4.5 is accepted when the extensions that 4.6
+/// made core and that the engine uses are there; less is refused with the list of what is missing.
 class Context {
  public:
   static Result<std::unique_ptr<Context>> createOsMesa(const ContextOptions& options = {});
   static Result<std::unique_ptr<Context>> createEgl(const ContextOptions& options = {});
-  /// Wraps the context that is current on this thread. It is neither owned nor destroyed; its debug callback stays.
+  /// Wraps the context that is current on this thread. It is neither owned nor destroyed; its debug callback
+  /// stays.
   static Result<std::unique_ptr<Context>> adoptCurrent(GetProc getProc);
 
   Context(const Context&) = delete;

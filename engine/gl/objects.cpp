@@ -32,12 +32,17 @@ GLuint makeBuffer(const void* bytes, std::size_t size, GLbitfield flags) {
 
 std::size_t bytesPerTexel(GLenum format) {
   switch (format) {
-    case GL_R8: return 1;
-    case GL_RG8: return 2;
+    case GL_R8:
+      return 1;
+    case GL_RG8:
+      return 2;
     case GL_RGBA16F:
-    case GL_RG32F: return 8;
-    case GL_RGBA32F: return 16;
-    default: return 4;
+    case GL_RG32F:
+      return 8;
+    case GL_RGBA32F:
+      return 16;
+    default:
+      return 4;
   }
 }
 
@@ -55,25 +60,29 @@ Buffer::Buffer(const void* bytes, std::size_t size, GLbitfield flags)
 void Buffer::bindStorage(GLuint binding) const {
   api().BindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name_.get());
 }
-void Buffer::bindUniform(GLuint binding) const { api().BindBufferBase(GL_UNIFORM_BUFFER, binding, name_.get()); }
+void Buffer::bindUniform(GLuint binding) const {
+  api().BindBufferBase(GL_UNIFORM_BUFFER, binding, name_.get());
+}
 
 void Buffer::write(std::size_t offset, const void* bytes, std::size_t count) {
   assert(offset + count <= size_);
   if (count > 0)
-    api().NamedBufferSubData(name_.get(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(count), bytes);
+    api().NamedBufferSubData(name_.get(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(count),
+                             bytes);
 }
 
 void Buffer::fill(std::uint32_t value, std::size_t offset, std::size_t count) {
   assert(offset + count <= size_);
   if (count > 0)
-    api().ClearNamedBufferSubData(name_.get(), GL_R32UI, static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(count),
-                                  GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
+    api().ClearNamedBufferSubData(name_.get(), GL_R32UI, static_cast<GLintptr>(offset),
+                                  static_cast<GLsizeiptr>(count), GL_RED_INTEGER, GL_UNSIGNED_INT, &value);
 }
 
 void Buffer::read(std::size_t offset, void* bytes, std::size_t count) const {
   assert(offset + count <= size_);
   api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  api().GetNamedBufferSubData(name_.get(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(count), bytes);
+  api().GetNamedBufferSubData(name_.get(), static_cast<GLintptr>(offset), static_cast<GLsizeiptr>(count),
+                              bytes);
 }
 
 Texture::Texture(GLenum format, int width, int height, int levels, int layers)
@@ -121,8 +130,8 @@ void Texture::set(GLenum parameter, GLint value) { api().TextureParameteri(name_
 
 void Texture::upload(int level, GLenum format, GLenum type, const void* pixels) {
   assert(layers_ == 0);
-  api().TextureSubImage2D(name_.get(), level, 0, 0, std::max(width_ >> level, 1), std::max(height_ >> level, 1), format,
-                          type, pixels);
+  api().TextureSubImage2D(name_.get(), level, 0, 0, std::max(width_ >> level, 1),
+                          std::max(height_ >> level, 1), format, type, pixels);
 }
 
 Sampler Sampler::make() {
@@ -164,7 +173,8 @@ VertexArray VertexArray::make() {
   return VertexArray(name);
 }
 
-void VertexArray::attribute(GLuint location, const Buffer& buffer, GLint components, GLsizei stride, GLuint offset) {
+void VertexArray::attribute(GLuint location, const Buffer& buffer, GLint components, GLsizei stride,
+                            GLuint offset) {
   api().EnableVertexArrayAttrib(name_.get(), location);
   api().VertexArrayAttribFormat(name_.get(), location, components, GL_FLOAT, GL_FALSE, offset);
   api().VertexArrayAttribBinding(name_.get(), location, location);
@@ -186,20 +196,22 @@ std::uint64_t Query::result() const {
   return value;
 }
 
-std::vector<std::uint8_t> readTexture(const Texture& texture, GLenum format, GLenum type, std::size_t bytesPerPixel,
-                                      int level) {
+std::vector<std::uint8_t> readTexture(const Texture& texture, GLenum format, GLenum type,
+                                      std::size_t bytesPerPixel, int level) {
   const auto width = static_cast<std::size_t>(std::max(texture.width() >> level, 1));
   const auto height = static_cast<std::size_t>(std::max(texture.height() >> level, 1));
   std::vector<std::uint8_t> pixels(width * height * static_cast<std::size_t>(std::max(texture.layers(), 1)) *
                                    bytesPerPixel);
   api().MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
   // The host may have left odd pixel-store state; readback is tightly packed.
-  for (const GLenum parameter : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_IMAGE_HEIGHT,
-                                 GL_PACK_SKIP_IMAGES, GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST})
+  for (const GLenum parameter :
+       {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_IMAGES,
+        GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST})
     api().PixelStorei(parameter, 0);
   api().PixelStorei(GL_PACK_ALIGNMENT, 1);
   api().BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  api().GetTextureImage(texture.get(), level, format, type, static_cast<GLsizei>(pixels.size()), pixels.data());
+  api().GetTextureImage(texture.get(), level, format, type, static_cast<GLsizei>(pixels.size()),
+                        pixels.data());
   return pixels;
 }
 

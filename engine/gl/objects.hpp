@@ -148,7 +148,8 @@ class Sampler {
 class Framebuffer {
  public:
   Framebuffer() = default;
-  explicit Framebuffer(std::span<const Texture* const> colors, const Texture* depth = nullptr, int depthLayer = -1);
+  explicit Framebuffer(std::span<const Texture* const> colors, const Texture* depth = nullptr,
+                       int depthLayer = -1);
   [[nodiscard]] GLuint get() const { return name_.get(); }
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(name_); }
 
@@ -186,7 +187,7 @@ class Query {
 };
 
 /// Reads a level of a texture back as tightly packed pixels, blocking.
-std::vector<std::uint8_t> readTexture(const Texture& texture, GLenum format, GLenum type, std::size_t bytesPerPixel,
-                                      int level = 0);
+std::vector<std::uint8_t> readTexture(const Texture& texture, GLenum format, GLenum type,
+                                      std::size_t bytesPerPixel, int level = 0);
 
 }  // namespace tessera::gl

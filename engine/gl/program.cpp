@@ -26,15 +26,17 @@ Result<GLenum> stageOf(const std::string& path) {
   return fail("{}: '{}' is not the ending of a shader stage", path, ending);
 }
 
-/// Replaces "N:" at the start of compiler lines by the file's name, for the drivers that print string numbers.
+/// Replaces "N:" at the start of compiler lines by the file's name, for the drivers that print string
+/// numbers.
 std::string readableLog(const std::string& log, const std::vector<std::string>& files) {
   std::string legend;
-  for (std::size_t i = 0; i < files.size(); ++i) legend += fmt::format("{}{} = {}", i == 0 ? "" : ", ", i, files[i]);
+  for (std::size_t i = 0; i < files.size(); ++i)
+    legend += fmt::format("{}{} = {}", i == 0 ? "" : ", ", i, files[i]);
   return fmt::format("{}\n(source numbers: {})", log, legend);
 }
 
-Result<void> expand(std::string_view path, std::set<std::string, std::less<>>& seen, std::vector<std::string>& files,
-                    std::string& out) {
+Result<void> expand(std::string_view path, std::set<std::string, std::less<>>& seen,
+                    std::vector<std::string>& files, std::string& out) {
   if (!seen.insert(std::string(path)).second) return {};
   auto text = glslText(path);
   if (!text) return tl::unexpected(text.error());
@@ -54,7 +56,8 @@ Result<void> expand(std::string_view path, std::set<std::string, std::less<>>& s
     }
     const std::size_t close = row.find('"', kInclude.size());
     if (close == std::string_view::npos) return fail("{}:{}: #include without closing quote", path, line);
-    if (auto included = expand(row.substr(kInclude.size(), close - kInclude.size()), seen, files, out); !included)
+    if (auto included = expand(row.substr(kInclude.size(), close - kInclude.size()), seen, files, out);
+        !included)
       return fail("{} (included from {}:{})", included.error().message, path, line);
     out += fmt::format("#line {} {}\n", line + 1, number);
   }
@@ -84,7 +87,8 @@ Result<std::string> assembleShader(std::string_view header, std::string_view pat
   return out;
 }
 
-Result<Program> Program::build(const Context& context, std::vector<std::string> paths, const Defines& defines) {
+Result<Program> Program::build(const Context& context, std::vector<std::string> paths,
+                               const Defines& defines) {
   const GladGLContext& gl = api();
   Program program;
   program.name_ = Name<&deleteProgram>(gl.CreateProgram());
@@ -129,13 +133,16 @@ Result<Program> Program::build(const Context& context, std::vector<std::string> 
 
 void Program::use() const { api().UseProgram(name_.get()); }
 void Program::set(GLint location, int value) const { api().ProgramUniform1i(name_.get(), location, value); }
-void Program::set(GLint location, unsigned value) const { api().ProgramUniform1ui(name_.get(), location, value); }
+void Program::set(GLint location, unsigned value) const {
+  api().ProgramUniform1ui(name_.get(), location, value);
+}
 void Program::set(GLint location, float value) const { api().ProgramUniform1f(name_.get(), location, value); }
 
 Result<const Program*> ProgramCache::get(const std::vector<std::string>& paths, const Defines& defines) {
   std::string key;
   for (const std::string& path : paths) key += (key.empty() ? "" : " + ") + path;
-  for (const auto& [name, value] : defines) key += fmt::format(" {}{}", name, value == "1" ? "" : "=" + value);
+  for (const auto& [name, value] : defines)
+    key += fmt::format(" {}{}", name, value == "1" ? "" : "=" + value);
   auto found = programs_.find(key);
   if (found == programs_.end()) {
     auto program = Program::build(*context_, paths, defines);

@@ -19,7 +19,8 @@ void deleteProgram(GLuint name);
 /// One permutation: names and values that become #define lines, sorted by name.
 using Defines = std::map<std::string, std::string>;
 
-/// The text of one GLSL file: from the folder TESSERA_GLSL_DIR when that is set in the environment, else embedded.
+/// The text of one GLSL file: from the folder TESSERA_GLSL_DIR when that is set in the environment, else
+/// embedded.
 Result<std::string> glslText(std::string_view path);
 
 /// The full text that the compiler is given: context header, defines, then the file with every
@@ -32,7 +33,8 @@ class Program {
  public:
   Program() = default;
   /// Compiles and links; the stage follows from each file's ending (.vert .frag .comp .tesc .tese).
-  static Result<Program> build(const Context& context, std::vector<std::string> paths, const Defines& defines = {});
+  static Result<Program> build(const Context& context, std::vector<std::string> paths,
+                               const Defines& defines = {});
   [[nodiscard]] GLuint get() const { return name_.get(); }
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(name_); }
   void use() const;

@@ -9,12 +9,16 @@ namespace tessera::gl {
 
 enum class TimerMode {
   Query,  // GL_TIME_ELAPSED: GPU time, no stall before the result is asked for
-  Wall    // glFinish around the work and the wall clock: for software renderers, where queries read 0 for compute and
-          // for draws without rasterization (llvmpipe, Mesa 22.3)
+  Wall    // glFinish around the work and the wall clock: for software renderers, where queries read 0 for
+        // compute and for draws without rasterization (llvmpipe, Mesa 22.3)
 };
 
-inline TimerMode timerModeFor(const ContextInfo& info) { return info.software ? TimerMode::Wall : TimerMode::Query; }
-inline const char* nameOf(TimerMode mode) { return mode == TimerMode::Query ? "gl-time-elapsed" : "finish+wall-clock"; }
+inline TimerMode timerModeFor(const ContextInfo& info) {
+  return info.software ? TimerMode::Wall : TimerMode::Query;
+}
+inline const char* nameOf(TimerMode mode) {
+  return mode == TimerMode::Query ? "gl-time-elapsed" : "finish+wall-clock";
+}
 
 class Timer {
  public:

@@ -25,8 +25,7 @@ constexpr float kKneeOut = 0.95F;
 constexpr double kFeatureWidth = 0.082;
 constexpr int kBandRows = 64;
 
-// ---- colour spaces
-// -------------------------------------------------------------------------------------------------
+// ---- colour spaces ----
 
 /// Linear sRGB to CIE XYZ (IEC 61966-2-1), columns are red, green and blue.
 const glm::mat3 kToXyz{0.4124F, 0.2126F, 0.0193F, 0.3576F, 0.7152F, 0.1192F, 0.1805F, 0.0722F, 0.9505F};
@@ -71,8 +70,7 @@ float hyab(const glm::vec3& a, const glm::vec3& b) {
   return std::abs(d.x) + std::sqrt(d.y * d.y + d.z * d.z);
 }
 
-// ---- kernels
-// -------------------------------------------------------------------------------------------------------
+// ---- kernels ----
 
 /// One separable term of a 2D kernel: taps(x) * taps(y).
 struct Term {
@@ -168,8 +166,7 @@ struct Kernels {
   int margin = 0;
 };
 
-// ---- one image, one band of rows
-// -----------------------------------------------------------------------------------
+// ---- one image, one band of rows ----
 
 struct Band {
   Plane<float> y, cx, cz;

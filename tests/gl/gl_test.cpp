@@ -1,10 +1,11 @@
+#include "tests/gl_test.hpp"
+
 #include <array>
 #include <vector>
 
 #include "engine/gl/objects.hpp"
 #include "engine/gl/program.hpp"
 #include "engine/gl/timer.hpp"
-#include "tests/gl_test.hpp"
 
 namespace tessera {
 namespace {
@@ -18,7 +19,8 @@ TEST_F(GlObjects, BuffersKeepWhatIsWritten) {
   buffer.fill(7, 4, 8);
   EXPECT_EQ(buffer.readAll<std::uint32_t>(5), (std::vector<std::uint32_t>{1, 7, 7, 4, 5}));
   gl::Buffer moved = std::move(buffer);
-  EXPECT_FALSE(buffer);  // NOLINT(bugprone-use-after-move): that a moved-from buffer is empty is what is tested
+  EXPECT_FALSE(
+      buffer);  // NOLINT(bugprone-use-after-move): that a moved-from buffer is empty is what is tested
   EXPECT_EQ(moved.readAll<std::uint32_t>(1)[0], 1u);
   const gl::Buffer zeroes(64);
   for (const std::uint32_t value : zeroes.readAll<std::uint32_t>(16)) EXPECT_EQ(value, 0u);

@@ -51,8 +51,7 @@ Image transposed(const Image& in) {
   return out;
 }
 
-// ---- against independent tools
-// -------------------------------------------------------------------------------------
+// ---- against independent tools ----
 
 TEST(Metrics, MeetsIndependentTools) {
   const std::filesystem::path folder = std::filesystem::path(TESSERA_SHARED_DIR) / "metrics";
@@ -71,8 +70,7 @@ TEST(Metrics, MeetsIndependentTools) {
   }
 }
 
-// ---- PSNR
-// ----------------------------------------------------------------------------------------------------------
+// ---- PSNR ----
 
 TEST(Psnr, KnownDifferences) {
   // Every channel off by 51 of 255: the mean square is 1/25.
@@ -92,8 +90,7 @@ TEST(Psnr, EqualIsInfiniteAndAlphaIsNotSeen) {
   EXPECT_GT(psnr(image, other).value(), 0.0);
 }
 
-// ---- MSSIM
-// ---------------------------------------------------------------------------------------------------------
+// ---- MSSIM ----
 
 /// The definition, window by window, with a 2D kernel and central moments.
 double mssimByDefinition(const Image& a, const Image& b) {
@@ -180,8 +177,7 @@ TEST(Mssim, DssimIsHalfTheDistanceToOne) {
   EXPECT_DOUBLE_EQ(dssim(-1.0), 1.0);
 }
 
-// ---- FLIP
-// ----------------------------------------------------------------------------------------------------------
+// ---- FLIP ----
 
 TEST(Flip, EqualIsZeroEverywhere) {
   const Image image = noise(50, 70, 9);
@@ -246,8 +242,7 @@ TEST(Flip, RefusesPixelsPerDegreeOutsideItsRange) {
     EXPECT_FALSE(flip(image, image, ppd)) << ppd;
 }
 
-// ---- all of them
-// ---------------------------------------------------------------------------------------------------
+// ---- all of them ----
 
 TEST(Metrics, SymmetricInTheirImages) {
   const Image a = waves(90, 70, 0.0);

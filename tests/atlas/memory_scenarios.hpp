@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct Scenario {
   double emptyFrames = 0.02; // share of the frames that see nothing at all
 };
 
+inline void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.name; }
+
 inline std::vector<Scenario> scenarios() {
   return {
       {.name = "calm"},
@@ -36,7 +39,7 @@ inline std::vector<Scenario> scenarios() {
       {.name = "overload", .patches = 300, .demand = 10.0},
       {.name = "all flip", .demand = 0.3, .appear = 0.5, .disappear = 0.5, .change = 1.0},
       {.name = "tiny superblocks", .width = 32, .height = 32, .superblockLog2 = 1, .patches = 300},
-      {.name = "large superblocks", .width = 128, .height = 64, .superblockLog2 = 6, .patches = 400, .demand = 0.4},
+      {.name = "large superblocks", .width = 256, .height = 192, .superblockLog2 = 6, .patches = 400, .demand = 0.3},
   };
 }
 

@@ -39,6 +39,7 @@ inline std::vector<Scenario> scenarios() {
       {.name = "overload", .patches = 300, .demand = 10.0},
       {.name = "all flip", .demand = 0.3, .appear = 0.5, .disappear = 0.5, .change = 1.0},
       {.name = "tiny superblocks", .width = 32, .height = 32, .superblockLog2 = 1, .patches = 300},
+      {.name = "crowd", .width = 512, .height = 512, .superblockLog2 = 6, .patches = 20000, .demand = 0.4},
       {.name = "large superblocks", .width = 256, .height = 192, .superblockLog2 = 6, .patches = 400, .demand = 0.3},
   };
 }

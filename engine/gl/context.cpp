@@ -24,8 +24,6 @@ struct StandIn {
 constexpr std::array kStandIns = {
     StandIn{"GL_ARB_shader_draw_parameters", true},
     StandIn{"GL_ARB_pipeline_statistics_query", false},
-    StandIn{"GL_ARB_polygon_offset_clamp", false},
-    StandIn{"GL_ARB_texture_filter_anisotropic", false},
 };
 
 void GLAD_API_PTR onDebugMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length,

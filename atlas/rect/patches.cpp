@@ -23,15 +23,18 @@ constexpr double kMinFoldCosine = 0.2588;  // 75 degrees
 constexpr double kConcavePenalty = 1.25;
 // A group may need this much more than its members alone (as a share of their sum) and is still formed: a
 // patch less also spares a record, a draw entry and the rounding of a block to powers of two. Tuned on six
-// scenes: from 0.1 to 0.4 triangles alone fall from 6.8 to 4.2 % on sponza for 0.5 % more block area; past
-// that the area grows faster.
-constexpr double kMaxLoss = 0.4;
+// scenes: from 0 to 0.25 triangles alone fall from 7.1 to 4.2 % on sponza for 0.6 % more block area; past
+// that single large fans get costly.
+constexpr double kMaxLoss = 0.25;
+constexpr float kMinPairWeight = static_cast<float>(1.0 - kMaxLoss);
 // Augmenting paths are searched up to this many pairs deep, and a search gives up after this many steps.
 constexpr int kPathPairs = 5;
 constexpr int kPathSteps = 400;
 constexpr int kPathRounds = 3;
 // An edge shared by many triangles gives each of them at most this many candidates.
 constexpr std::size_t kEdgeCandidates = 4;
+// Fans are tried over this many neighbours of a triangle; a manifold has three.
+constexpr std::size_t kFanLinks = 8;
 
 // The part of a block's map in one triangle: derivatives of position by the block's coordinates in 0..1, and
 // which share of the block the triangle covers.
@@ -76,7 +79,8 @@ double tripleArea(const dvec3& v0, const dvec3& v1, const dvec3& v2, const dvec3
   return mapBlockArea(parts);
 }
 
-// Two triangles that could become a pair: the shared edge is edge `edgeA` of a and `edgeB` of b.
+// Two triangles that could become a pair, or part of a triple if the weight is below kMinPairWeight: the
+// shared edge is edge `edgeA` of a and `edgeB` of b.
 struct Candidate {
   std::uint32_t a = 0;
   std::uint32_t b = 0;
@@ -182,10 +186,8 @@ class Builder {
     const std::array p{position(v[0]), position(v[1]), position(v[2]), position(v[3])};
     double together = pairArea(p[0], p[1], p[2], p[3]) * foldFactor(cosine);
     if (concave(p[0], p[1], p[2], p[3])) together *= kConcavePenalty;
-    const double gain = saving(together, a.block + b.block);
-    if (!(gain > -kMaxLoss)) return false;
-    c.weight = static_cast<float>(1.0 + gain);
-    return true;
+    c.weight = static_cast<float>(1.0 + saving(together, a.block + b.block));
+    return std::isfinite(c.weight);
   }
 
   void findCandidates() {
@@ -264,8 +266,10 @@ class Builder {
   }
 
   void matchGreedily() {
-    std::vector<std::uint32_t> byWeight(candidates_.size());
-    std::iota(byWeight.begin(), byWeight.end(), 0u);
+    std::vector<std::uint32_t> byWeight;
+    for (std::uint32_t i = 0; i < candidates_.size(); ++i) {
+      if (candidates_[i].weight > kMinPairWeight) byWeight.push_back(i);
+    }
     std::sort(byWeight.begin(), byWeight.end(), [this](std::uint32_t x, std::uint32_t y) {
       const Candidate& a = candidates_[x];
       const Candidate& b = candidates_[y];
@@ -291,7 +295,7 @@ class Builder {
     for (const std::uint32_t link : links(free)) {
       if (--s.steps < 0) break;
       const std::uint32_t next = other(link, free);
-      if (onPath_[next]) continue;
+      if (onPath_[next] || candidates_[link].weight <= kMinPairWeight) continue;
       const std::uint32_t oldLink = mate_[next];
       const float before = oldLink == kFree ? 0.0f : candidates_[oldLink].weight;
       const float total = gained + candidates_[link].weight - before;
@@ -328,8 +332,7 @@ class Builder {
     return changed;
   }
 
-  // A fan of three around the common vertex: `link` joins the free triangle to `middle`, whose mate is the
-  // third.
+  // Three triangles around a common vertex v.front(), in the order of a triple's layout.
   struct Fan {
     std::array<std::uint32_t, 5> v;
     std::array<std::uint32_t, 3> triangles;
@@ -339,24 +342,20 @@ class Builder {
     return c.a == triangle ? c.edgeA : c.edgeB;
   }
 
-  [[nodiscard]] Fan fan(std::uint32_t free, std::uint32_t link) const {
-    const std::uint32_t middle = other(link, free);
-    const std::uint32_t mateLink = mate_[middle];
-    const std::uint32_t mate = other(mateLink, middle);
-    const std::uint8_t toFree = edgeIn(candidates_[link], middle);
-    const std::uint8_t toMate = edgeIn(candidates_[mateLink], middle);
+  // The fan of `middle` and its neighbours by two links, which must lie on different edges.
+  [[nodiscard]] Fan fan(std::uint32_t middle, std::uint32_t linkA, std::uint32_t linkB) const {
     // With the middle triangle as (v0, v2, v3) the first triangle lies across v0-v2 and the last across
-    // v3-v0: the first edge is the one that is followed by the edge not shared with either.
-    const bool freeFirst = (toFree + 2) % 3 == toMate;
-    const std::uint8_t first = freeFirst ? toFree : toMate;
-    const std::uint32_t firstTriangle = freeFirst ? free : mate;
-    const std::uint32_t lastTriangle = freeFirst ? mate : free;
-    const Candidate& firstLink = candidates_[freeFirst ? link : mateLink];
-    const Candidate& lastLink = candidates_[freeFirst ? mateLink : link];
-    return {{vertex(middle, first), vertex(firstTriangle, edgeIn(firstLink, firstTriangle) + 2u),
-             vertex(middle, first + 1u), vertex(middle, first + 2u),
-             vertex(lastTriangle, edgeIn(lastLink, lastTriangle) + 2u)},
-            {firstTriangle, middle, lastTriangle}};
+    // v3-v0: the first edge is the one that follows the last.
+    const bool aFirst = (edgeIn(candidates_[linkA], middle) + 2) % 3 == edgeIn(candidates_[linkB], middle);
+    const std::uint32_t firstLink = aFirst ? linkA : linkB;
+    const std::uint32_t lastLink = aFirst ? linkB : linkA;
+    const std::uint32_t first = other(firstLink, middle);
+    const std::uint32_t last = other(lastLink, middle);
+    const std::uint8_t edge = edgeIn(candidates_[firstLink], middle);
+    return {{vertex(middle, edge), vertex(first, edgeIn(candidates_[firstLink], first) + 2u),
+             vertex(middle, edge + 1u), vertex(middle, edge + 2u),
+             vertex(last, edgeIn(candidates_[lastLink], last) + 2u)},
+            {first, middle, last}};
   }
 
   [[nodiscard]] double fanBlockArea(const Fan& f) const {
@@ -370,37 +369,54 @@ class Builder {
                                            position(f.v[3]), position(f.v[4]));
   }
 
+  struct Offer {
+    Fan fan;
+    double gain = 0.0;
+  };
+
+  // Adds the fan to the offers if it is worth it against its parts, which need blocks of `apart` in all.
+  void offerFan(std::uint32_t middle, std::uint32_t linkA, std::uint32_t linkB, double apart,
+                std::vector<Offer>& offers) const {
+    // Three on one edge are no fan, and around two vertices of one edge the outer two may be one triangle.
+    if (edgeIn(candidates_[linkA], middle) == edgeIn(candidates_[linkB], middle)) return;
+    if (other(linkA, middle) == other(linkB, middle)) return;
+    const Fan f = fan(middle, linkA, linkB);
+    const double together = fanBlockArea(f);
+    if (together < 0.0) return;
+    const double gain = saving(together, apart);
+    if (gain > -kMaxLoss) offers.push_back({f, gain});
+  }
+
+  // Free triangles join a neighbouring pair, or two free neighbours that make no pair.
   void attachThirds() {
-    struct Offer {
-      std::uint32_t free;
-      std::uint32_t link;
-      double gain;
-    };
     std::vector<Offer> offers;
     for (std::uint32_t t = 0; t < count_; ++t) {
       if (mate_[t] != kFree) continue;
-      for (const std::uint32_t link : links(t)) {
-        const std::uint32_t middle = other(link, t);
-        if (mate_[middle] == kFree) continue;
-        const Candidate& pair = candidates_[mate_[middle]];
-        if (edgeIn(candidates_[link], middle) == edgeIn(pair, middle)) continue;  // three on one edge: no fan
-        const double together = fanBlockArea(fan(t, link));
-        if (together < 0.0) continue;
-        const double alone = triangles_[t].block;
-        const double pairBlock =
-            (2.0 - static_cast<double>(pair.weight)) * (triangles_[pair.a].block + triangles_[pair.b].block);
-        const double gain = saving(together, pairBlock + alone);
-        if (gain > -kMaxLoss) offers.push_back({t, link, gain});
+      for (std::size_t i = 0; i < std::min(links(t).size(), kFanLinks); ++i) {
+        const std::uint32_t link = links(t)[i];
+        const std::uint32_t neighbour = other(link, t);
+        const double both = triangles_[t].block + triangles_[neighbour].block;
+        if (mate_[neighbour] != kFree) {
+          const Candidate& pair = candidates_[mate_[neighbour]];
+          const double pairBlock = (2.0 - static_cast<double>(pair.weight)) *
+                                   (triangles_[pair.a].block + triangles_[pair.b].block);
+          offerFan(neighbour, link, mate_[neighbour], pairBlock + triangles_[t].block, offers);
+          continue;
+        }
+        for (std::size_t j = 0; j < i; ++j) {
+          const std::uint32_t third = other(links(t)[j], t);
+          if (mate_[third] == kFree) offerFan(t, link, links(t)[j], both + triangles_[third].block, offers);
+        }
       }
     }
     std::stable_sort(offers.begin(), offers.end(),
                      [](const Offer& x, const Offer& y) { return x.gain > y.gain; });
     for (const Offer& offer : offers) {
-      const std::uint32_t middle = other(offer.link, offer.free);
-      const std::uint32_t mate = other(mate_[middle], middle);
-      if (third_[offer.free] != kFree || third_[middle] != kFree || third_[mate] != kFree) continue;
-      third_[offer.free] = third_[middle] = third_[mate] = static_cast<std::uint32_t>(fans_.size());
-      fans_.push_back(fan(offer.free, offer.link));
+      const auto& members = offer.fan.triangles;
+      if (std::any_of(members.begin(), members.end(), [&](std::uint32_t t) { return third_[t] != kFree; }))
+        continue;
+      for (const std::uint32_t t : members) third_[t] = static_cast<std::uint32_t>(fans_.size());
+      fans_.push_back(offer.fan);
     }
   }
 

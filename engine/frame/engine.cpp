@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/frame/engine_state.hpp"
-#include "engine/scene/subdivide.hpp"
+// SUB #include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -45,7 +45,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   const auto guard = s.guard();
 
   say("splitting long edges");
-  if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
+  // SUB if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
   s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);
   s.graph = planFrame(s.features, options.request);
   completeAttributes(s.scene, s.features);

@@ -24,13 +24,13 @@ struct StandIn {
 constexpr std::array kStandIns = {
     StandIn{"GL_ARB_shader_draw_parameters", true},
     StandIn{"GL_ARB_pipeline_statistics_query", false},
-    StandIn{"GL_ARB_polygon_offset_clamp", false},
-    StandIn{"GL_ARB_texture_filter_anisotropic", false},
 };
 
-void GLAD_API_PTR onDebugMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length,
+void GLAD_API_PTR onDebugMessage(GLenum source, GLenum type, GLuint, GLenum severity, GLsizei length,
                                  const GLchar* message, const void* user) {
-  if (severity != GL_DEBUG_SEVERITY_HIGH && type != GL_DEBUG_TYPE_ERROR) return;
+  // Mesa 22.3 sends compiler warnings with the type of an error; compile errors are reported by Program.
+  const bool error = type == GL_DEBUG_TYPE_ERROR && source != GL_DEBUG_SOURCE_SHADER_COMPILER;
+  if (severity != GL_DEBUG_SEVERITY_HIGH && !error) return;
   // The callback's user pointer is const by signature only.
   auto* errors = static_cast<std::vector<std::string>*>(const_cast<void*>(user));
   errors->emplace_back(message, length < 0 ? std::strlen(message) : static_cast<std::size_t>(length));

@@ -66,7 +66,7 @@ void apply(const DrawState& state) {
   gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   enable(GL_FRAMEBUFFER_SRGB, state.encodeSrgb);
   enable(GL_POLYGON_OFFSET_FILL, state.offsetFactor != 0.0f || state.offsetUnits != 0.0f);
-  gl.PolygonOffsetClamp(state.offsetFactor, state.offsetUnits, 0.0f);
+  gl.PolygonOffset(state.offsetFactor, state.offsetUnits);
   applyCulling(state.cullBack, state.mirrored);
 }
 

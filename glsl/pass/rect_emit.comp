@@ -19,35 +19,40 @@ layout(std430, binding = BIND_DRAW_ENTRIES) writeonly buffer DrawEntries { uint 
 layout(std430, binding = BIND_DRAW_VERTICES) writeonly buffer DrawVertices { DisplayVertex drawVertices[]; };
 layout(std430, binding = BIND_GATHER_VERTICES) writeonly buffer GatherVertices { GatherVertex gatherVertices[]; };
 
-InstanceGpu instance;
-uint instanceIndex;
-PatchState state;
-uvec2 blockLog2;   // the block's size along its own axes
-bool transposed;
+// A visible patch on its way to draw entries.
+struct Placed {
+  InstanceGpu instance;
+  uint instanceIndex;
+  uint origin;       // of its block, see PatchState
+  uvec2 log2Size;    // of its block, along the atlas's axes
+  bool transposed;   // the patch's x axis runs along the block's y
+};
 
 // side: corner of the patch's own axes, 0 low, 1 middle, 2 high.
-void writeCorner(uint slot, uint vertex, uvec2 side) {
+void writeCorner(Placed placed, uint slot, uint vertex, uvec2 side) {
   vec3 local = vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
-  vec3 p = transformPoint(instance, local);
-  if (transposed) side = uvec2(side.y, side.x);
-  uint x = 2u * (state.origin & 0xffffu) + cornerHalfTexel(side.x, blockLog2.x);
-  uint y = 2u * (state.origin >> 16u) + cornerHalfTexel(side.y, blockLog2.y);
+  vec3 p = transformPoint(placed.instance, local);
+  if (placed.transposed) side = uvec2(side.y, side.x);
+  uvec2 corner = unpackOrigin(placed.origin);
+  uint x = 2u * corner.x + cornerHalfTexel(side.x, placed.log2Size.x);
+  uint y = 2u * corner.y + cornerHalfTexel(side.y, placed.log2Size.y);
   drawVertices[slot] = DisplayVertex(p.x, p.y, p.z, x | (y << 16u));
   uint bits = (side.x << kCornerSideX) | (side.y << kCornerSideY) |
-              (blockLog2.x == 0u ? 1u << kCornerSingleX : 0u) | (blockLog2.y == 0u ? 1u << kCornerSingleY : 0u);
-  gatherVertices[slot] = GatherVertex(vertex, (instanceIndex << kCornerBits) | bits);
+              (placed.log2Size.x == 0u ? 1u << kCornerSingleX : 0u) |
+              (placed.log2Size.y == 0u ? 1u << kCornerSingleY : 0u);
+  gatherVertices[slot] = GatherVertex(vertex, (placed.instanceIndex << kCornerBits) | bits);
 }
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
   uint patchId = visibleIds[i];
-  instanceIndex = instanceOfPatch[patchId];
-  instance = instances[instanceIndex];
+  uint index = instanceOfPatch[patchId];
+  InstanceGpu instance = instances[index];
+  PatchState state = patchStates[patchId];
+  Placed placed = Placed(instance, index, state.origin, uvec2(levelWidth(state.level), levelHeight(state.level)),
+                         levelTransposed(state.level));
   PatchGeometry geometry = patches[instance.patchOffset + patchId - instance.patchBase];
-  state = patchStates[patchId];
-  blockLog2 = uvec2(levelWidth(state.level), levelHeight(state.level));
-  transposed = levelTransposed(state.level);
   bool mirrored = (instance.flags & kInstanceMirrored) != 0u;
   uint parts = geometry.triangles == 3u ? 2u : 1u;
   uint entry = batches[instance.batch].firstEntry + atomicAdd(commands[instance.batch].count, 6u * parts) / 6u;
@@ -57,15 +62,15 @@ void main() {
   uint one = mirrored ? 3u : 1u;
   uint three = mirrored ? 1u : 3u;
   bool triple = parts == 2u;
-  writeCorner(slot, geometry.v0, triple ? uvec2(1u, 0u) : uvec2(0u, 0u));
-  writeCorner(slot + one, geometry.v1, uvec2(2u, 0u));
-  writeCorner(slot + 2u, geometry.v2, uvec2(2u, 2u));
-  writeCorner(slot + three, geometry.v3, uvec2(0u, 2u));
+  writeCorner(placed, slot, geometry.v0, triple ? uvec2(1u, 0u) : uvec2(0u, 0u));
+  writeCorner(placed, slot + one, geometry.v1, uvec2(2u, 0u));
+  writeCorner(placed, slot + 2u, geometry.v2, uvec2(2u, 2u));
+  writeCorner(placed, slot + three, geometry.v3, uvec2(0u, 2u));
   if (triple) {
     // The third triangle (v0, v3, v4), and an empty one.
-    writeCorner(slot + 4u, geometry.v0, uvec2(1u, 0u));
-    writeCorner(slot + 4u + (mirrored ? 2u : 1u), geometry.v3, uvec2(0u, 2u));
-    writeCorner(slot + 4u + (mirrored ? 1u : 2u), geometry.v4, uvec2(0u, 0u));
-    writeCorner(slot + 7u, geometry.v0, uvec2(1u, 0u));
+    writeCorner(placed, slot + 4u, geometry.v0, uvec2(1u, 0u));
+    writeCorner(placed, slot + 4u + (mirrored ? 2u : 1u), geometry.v3, uvec2(0u, 2u));
+    writeCorner(placed, slot + 4u + (mirrored ? 1u : 2u), geometry.v4, uvec2(0u, 0u));
+    writeCorner(placed, slot + 7u, geometry.v0, uvec2(1u, 0u));
   }
 }

@@ -22,6 +22,11 @@ vec3 corner(InstanceGpu instance, uint vertex) {
   return transformPoint(instance, vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
 }
 
+PatchMeasure seenFrom(vec4 eye, vec3 v0, vec3 v1, vec3 v2, vec3 v3, vec3 v4, uint triangles) {
+  vec3 at = eye.xyz;
+  return measurePatch(v0 - at, v1 - at, v2 - at, v3 - at, v4 - at, triangles, eye.w);
+}
+
 // A patch that several views see gets the largest area that any of them asks for, in that view's shape.
 PatchMeasure measureVisible(uint patchId) {
   InstanceGpu instance = instances[instanceOfPatch[patchId]];
@@ -31,12 +36,10 @@ PatchMeasure measureVisible(uint patchId) {
   vec3 v2 = corner(instance, geometry.v2);
   vec3 v3 = geometry.triangles > 1u ? corner(instance, geometry.v3) : v1;
   vec3 v4 = geometry.triangles > 2u ? corner(instance, geometry.v4) : v0;
-  PatchMeasure best;
-  for (uint view = 0u; view < uViews; ++view) {
-    vec4 eye = views[view].eye;
-    vec3 at = eye.xyz;
-    PatchMeasure seen = measurePatch(v0 - at, v1 - at, v2 - at, v3 - at, v4 - at, geometry.triangles, eye.w);
-    if (view == 0u || seen.logArea > best.logArea) best = seen;
+  PatchMeasure best = seenFrom(views[0].eye, v0, v1, v2, v3, v4, geometry.triangles);
+  for (uint view = 1u; view < uViews; ++view) {
+    PatchMeasure seen = seenFrom(views[view].eye, v0, v1, v2, v3, v4, geometry.triangles);
+    if (seen.logArea > best.logArea) best = seen;
   }
   return best;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include <glad/gl.h>
 #include <gtest/gtest.h>
 
 #include "engine/frame/batches.hpp"

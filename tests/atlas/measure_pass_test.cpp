@@ -73,15 +73,23 @@ struct PatchScene {
     visible.assign(list.begin() + 1, list.end());
   }
 
-  [[nodiscard]] test::Reference expected(std::uint32_t patch, const glsl::ViewGpu& view) const {
+  [[nodiscard]] test::Reference expected(std::uint32_t patch, const glsl::ViewGpu& view,
+                                         float& rounding) const {
     const glsl::InstanceGpu& instance = instances[instanceOf[patch]];
     const glsl::PatchGeometry& g = patches[patch - instance.patchBase];
     const auto corner = [&](std::uint32_t v) {
       return glsl::transformPoint(instance, {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]}) -
              glm::vec3(view.eye);
     };
-    return test::referenceMeasure({corner(g.v0), corner(g.v1), corner(g.v2), corner(g.v3), corner(g.v4)},
-                                  g.triangles, static_cast<test::Long>(view.eye.w));
+    const test::Corners v = {corner(g.v0), corner(g.v1), corner(g.v2), corner(g.v3), corner(g.v4)};
+    float shortest = 1e9f;
+    for (std::size_t i = 0; i < 5; ++i)
+      for (std::size_t k = 0; k < i; ++k)
+        if (v[i] != v[k]) shortest = std::min(shortest, glm::distance(v[i], v[k]));
+    // A driver may fuse the products of the transformation, which moves a corner by an ulp or two of
+    // coordinates of up to 64.
+    rounding = 3e-7f + 4.0f * 64.0f / 16777216.0f / shortest;
+    return test::referenceMeasure(v, g.triangles, static_cast<test::Long>(view.eye.w));
   }
 
   std::uint32_t patchCount;
@@ -128,19 +136,21 @@ TEST_F(MeasurePass, IsTheSharedFormula) {
       const glsl::uint texels = glsl::idealTexels(measures[i], 0.0f, 8);
       ideal += texels;
       ones += texels == 1 ? 1 : 0;
-      test::Reference best = scene.expected(scene.visible[i], views[0]);
+      float rounding = 0.0f;  // relative, of the edges' lengths
+      test::Reference best = scene.expected(scene.visible[i], views[0], rounding);
       for (std::uint32_t v = 1; v < viewCount; ++v) {
-        const test::Reference other = scene.expected(scene.visible[i], views[v]);
+        const test::Reference other = scene.expected(scene.visible[i], views[v], rounding);
         if (other.logArea > best.logArea) best = other;
       }
       // Flat triangles multiply the rounding of their edges.
       if (!(best.condition < 1e4L)) continue;
       ++compared;
       const test::Long error = std::abs(static_cast<test::Long>(measures[i].logArea) - best.logArea);
-      ASSERT_LE(error, 2e-5L + 1e-6L * best.condition) << "patch " << scene.visible[i];
+      ASSERT_LE(error, 2e-5L + 3 * static_cast<test::Long>(rounding) * best.condition)
+          << "patch " << scene.visible[i];
       if (viewCount == 1) {
         // GLSL allows log2 three units in the last place, and an aspect is the difference of two of some -17.
-        ASSERT_NEAR(measures[i].logAspect, static_cast<float>(best.logAspect), 3e-5f);
+        ASSERT_NEAR(measures[i].logAspect, static_cast<float>(best.logAspect), 3e-5f + 3.0f * rounding);
       }
       if (best.condition < 100) worst = std::max(worst, error);
     }

@@ -231,7 +231,12 @@ class SceneComparison {
       draw(method, timed);
       runs.push_back(engine_.times());
     }
-    record(series, medianTimes(runs), engine_.fragments());
+    // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the rasterizer
+    // runs besides (some count the unlit lanes of its 2 x 2 quads).
+    const std::uint64_t shaded = method.usesAtlas() && engine_.atlas() != nullptr
+                                     ? engine_.atlas()->memory().readStatistics().samples
+                                     : engine_.fragments();
+    record(series, medianTimes(runs), shaded);
     const Image picture = engine_.readColor();
     if (references_.size() <= f) references_.push_back(picture);
     const Image& reference = references_[f];

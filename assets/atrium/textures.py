@@ -79,8 +79,7 @@ def bricks(size=512):
         light = _level(grain[y][x], 12)
         if joint < 1.6:
             return _mixed((168, 160, 148), (196, 189, 178), light)
-        return _mixed((70, 45, 40), (255, 235, 215), 0.0) if light < -1 else tuple(
-            min(255, round(c * (0.82 + 0.3 * light))) for c in tint[row][column])
+        return tuple(min(255, round(c * (0.82 + 0.3 * light))) for c in tint[row][column])
 
     return Image.of(size, size, shade)
 

@@ -32,8 +32,28 @@
 #define BIND_DRAW_VERTICES 20 // DisplayVertex[]
 #define BIND_BATCHES 21       // BatchGpu[]
 
+#define BIND_GATHER_VERTICES 22 // GatherVertex[]
+#define BIND_SHADOWS 23         // ShadowGpu[]
+
+#define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
+
 // Uniform buffers
 #define BIND_VIEWS 0
 #define BIND_FRAME 1
+
+// Texture units
+#define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu
+#define UNIT_SHADOW 5
+#define UNIT_ATLAS 6
+#define UNIT_ID 7
+#define UNIT_DEPTH 8
+
+// Uniform locations
+#define LOCATION_MATERIAL 0
+#define LOCATION_VIEW 1
+#define LOCATION_COUNT 2
+#define LOCATION_SIZE 3
+#define LOCATION_FRAME 4
+#define LOCATION_BACKGROUND 5
 
 #endif

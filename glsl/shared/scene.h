@@ -59,6 +59,20 @@ SHARED_FN uint patchOfTriangle(InstanceGpu instance, uint triangle) {
   return instance.patchBase + instance.pairs + instance.triples + (rest - inTriples);
 }
 
+// Which of its patch's triangles (0, 1 or 2) triangle `triangle` of an instance is.
+SHARED_FN uint partOfTriangle(InstanceGpu instance, uint triangle) {
+  uint inPairs = 2u * instance.pairs;
+  if (triangle < inPairs) return triangle % 2u;
+  uint rest = triangle - inPairs;
+  return rest < 3u * instance.triples ? rest % 3u : 0u;
+}
+
+// What the id pass writes: (patch-instance id + 1) << 2 | triangle of the patch. 0 is nothing, so 2^30 - 1 patch
+// instances can be told apart.
+SHARED_FN uint idOfTriangle(InstanceGpu instance, uint triangle) {
+  return ((patchOfTriangle(instance, triangle) + 1u) << 2u) | partOfTriangle(instance, triangle);
+}
+
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::PatchGeometry) == 24);

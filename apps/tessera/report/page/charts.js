@@ -1,0 +1,113 @@
+// The charts of one scene, drawn by Chart.js in the colours of the page's theme.
+'use strict';
+
+const kMethodColours = 8;
+const kPassColours = ['#4e79a7', '#f28e2b', '#59a14f', '#e15759', '#76b7b2', '#edc948', '#b07aa1', '#ff9da7',
+                      '#9c755f', '#8a949e'];
+const kSeries = [
+  {key: 'frameMs', title: 'Frame time', unit: 'ms', zero: true},
+  {key: 'mssim', title: 'MSSIM against forward', unit: '1 is equal', zero: false},
+  {key: 'flip', title: 'FLIP against forward', unit: '0 is equal', zero: true},
+  {key: 'samplesShaded', title: 'Samples shaded', unit: 'samples', zero: true},
+  {key: 'atlasTexelsUsed', title: 'Atlas texels used', unit: 'texels', zero: true},
+  {key: 'bias', title: 'Level bias in force', unit: 'levels', zero: false},
+];
+
+function themeColour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+function methodColour(index) {
+  return themeColour(`--c${index % kMethodColours}`);
+}
+
+function chartBox(parent, title, unit, wide) {
+  const box = element('div', wide ? 'chart wide' : 'chart');
+  const heading = element('h3', '', title + ' ');
+  heading.append(element('small', '', unit));
+  const plot = element('div', 'plot');
+  const canvas = element('canvas');
+  canvas.setAttribute('role', 'img');
+  canvas.setAttribute('aria-label', `${title}, ${unit}; the table holds the numbers`);
+  plot.append(canvas);
+  box.append(heading, plot);
+  parent.append(box);
+  return {plot, canvas};
+}
+
+const kShort = new Intl.NumberFormat('en', {notation: 'compact', maximumSignificantDigits: 4});
+const kLong = new Intl.NumberFormat('en', {maximumSignificantDigits: 6});
+
+function baseOptions() {
+  const soft = themeColour('--soft');
+  const grid = {color: themeColour('--line'), borderColor: themeColour('--line')};
+  return {
+    animation: false,
+    responsive: true,
+    maintainAspectRatio: false,
+    interaction: {mode: 'index', intersect: false},
+    plugins: {
+      legend: {labels: {color: soft, boxWidth: 12, boxHeight: 12, padding: 10}, position: 'bottom'},
+      tooltip: {callbacks: {}},
+    },
+    scales: {x: {ticks: {color: soft}, grid}, y: {ticks: {color: soft}, grid}},
+  };
+}
+
+function seriesChart(parent, series, methods) {
+  const used = methods.map((method, index) => ({method, index}))
+                   .filter(({method}) => method.series[series.key].some(value => value !== null));
+  if (used.length === 0) return null;
+  const length = Math.max(...used.map(({method}) => method.series[series.key].length));
+  const options = baseOptions();
+  options.scales.x.title = {display: true, text: 'frame', color: themeColour('--soft')};
+  options.scales.x.ticks.maxRotation = 0;
+  options.scales.x.ticks.autoSkipPadding = 16;
+  options.scales.y.beginAtZero = series.zero;
+  options.scales.y.grace = '5%';
+  options.scales.y.ticks.maxTicksLimit = 6;
+  options.scales.y.ticks.callback = value => kShort.format(value);
+  options.plugins.tooltip.callbacks.title = items => `frame ${items[0].label}`;
+  options.plugins.tooltip.callbacks.label = item => ` ${item.dataset.label}: ${kLong.format(item.parsed.y)}`;
+  const datasets = used.map(({method, index}) => ({
+    label: method.name,
+    data: method.series[series.key],
+    borderColor: methodColour(index),
+    backgroundColor: methodColour(index),
+    borderWidth: 2,
+    borderDash: index === 0 ? [5, 4] : [],
+    pointRadius: length <= 24 ? 3 : 0,
+    pointHitRadius: 8,
+  }));
+  const {canvas} = chartBox(parent, series.title, series.unit, false);
+  return new Chart(canvas, {type: 'line', data: {labels: [...Array(length).keys()], datasets}, options});
+}
+
+function passChart(parent, methods) {
+  const names = [...new Set(methods.flatMap(method => method.passes.map(pass => pass.name)))];
+  if (names.length === 0) return null;
+  const options = baseOptions();
+  options.indexAxis = 'y';
+  options.scales.x.stacked = true;
+  options.scales.y.stacked = true;
+  options.scales.y.grid = {display: false};
+  options.interaction = {mode: 'nearest', intersect: true};
+  options.plugins.tooltip.callbacks.label =
+      item => ` ${item.dataset.label}: ${kLong.format(item.parsed.x)} ms`;
+  const datasets = names.map((name, index) => ({
+    label: name,
+    data: methods.map(method => method.passes.find(pass => pass.name === name)?.median ?? null),
+    backgroundColor: kPassColours[index % kPassColours.length],
+    borderColor: themeColour('--card'),
+    borderWidth: {right: 1},
+    maxBarThickness: 34,
+  }));
+  const {plot, canvas} = chartBox(parent, 'Where the time goes', 'ms, median of each pass', true);
+  plot.style.height = `${90 + 46 * methods.length + 22 * Math.ceil(names.length / 6)}px`;
+  return new Chart(canvas, {type: 'bar', data: {labels: methods.map(method => method.name), datasets}, options});
+}
+
+function drawCharts(parent, methods) {
+  const charts = [passChart(parent, methods), ...kSeries.map(series => seriesChart(parent, series, methods))];
+  return charts.filter(chart => chart !== null);
+}

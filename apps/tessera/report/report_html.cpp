@@ -1,0 +1,164 @@
+#include <cmath>
+#include <map>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/tessera/report/report.hpp"
+#include "apps/tessera/report/report_table.hpp"
+#include "engine/core/embedded.hpp"
+#include "engine/measure/colormap.hpp"
+
+namespace tessera {
+
+std::span<const EmbeddedText> embeddedReportPage();
+std::span<const EmbeddedText> embeddedChart();
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string_view textOf(std::span<const EmbeddedText> files, std::string_view path) {
+  for (const EmbeddedText& file : files)
+    if (file.path == path) return file.text;
+  return {};
+}
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8U | (k < count ? bytes[i + k] : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += k <= count ? kDigits[group >> (18U - 6U * static_cast<std::uint32_t>(k)) & 63U] : '=';
+  }
+  return out;
+}
+
+Json dataUri(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return nullptr;
+  constexpr std::uint8_t kPngStart = 0x89;
+  return std::string("data:image/") + (bytes[0] == kPngStart ? "png" : "jpeg") + ";base64," + base64(bytes);
+}
+
+// NaN becomes null when the JSON is written, which the charts show as a gap.
+Json methodData(const ReportMethod& method) {
+  Json passes = Json::array();
+  for (const ReportPass& pass : method.passes)
+    passes.push_back({{"name", pass.name}, {"median", pass.ms.median}});
+  Json frames = Json::array();
+  for (const ReportFrame& frame : method.frames)
+    frames.push_back({{"frame", frame.frame},
+                      {"image", dataUri(frame.image)},
+                      {"error", dataUri(frame.error)},
+                      {"atlas", dataUri(frame.atlas)}});
+  const ReportSeries& s = method.series;
+  return {{"name", method.name},
+          {"passes", std::move(passes)},
+          {"series",
+           {{"frameMs", s.frameMs},
+            {"mssim", s.mssim},
+            {"flip", s.flip},
+            {"samplesShaded", s.samplesShaded},
+            {"atlasTexelsUsed", s.atlasTexelsUsed},
+            {"bias", s.bias}}},
+          {"frames", std::move(frames)}};
+}
+
+/// What the page's script reads. In a script element, only "<" could end it early.
+std::string pageData(const Report& report) {
+  Json stops = Json::array();
+  for (const Rgb8& stop : colormapStops())
+    stops.push_back(fmt::format("rgb({},{},{})", stop[0], stop[1], stop[2]));
+  Json scenes = Json::array();
+  for (const ReportScene& scene : report.scenes) {
+    Json methods = Json::array();
+    for (const ReportMethod& method : scene.methods) methods.push_back(methodData(method));
+    scenes.push_back({{"file", scene.file},
+                      {"width", scene.width},
+                      {"height", scene.height},
+                      {"errorMetric", scene.errorMetric},
+                      {"errorFull", scene.errorFull},
+                      {"methods", std::move(methods)}});
+  }
+  const Json root = {{"stops", std::move(stops)}, {"scenes", std::move(scenes)}};
+  const std::string json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string contextList(const ReportContext& context) {
+  std::string out;
+  const auto add = [&out](std::string_view name, const std::string& value) {
+    if (!value.empty()) out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escapeHtml(value));
+  };
+  add("Renderer", context.renderer);
+  add("Context", context.backend);
+  add("GL", context.gl);
+  add("GLSL", context.glsl);
+  add("Timer", context.timer);
+  add("Commit", context.commit);
+  add("Command", context.command);
+  return out;
+}
+
+std::string sceneSection(const ReportScene& scene, std::size_t index) {
+  return fmt::format(
+      "<section class=\"scene\" id=\"scene-{0}\" data-scene=\"{0}\">\n<h2>{1}</h2>\n"
+      "<p class=\"facts\">{2} triangles · {3} instances · {4} materials · {5} lights · {6} × {7} pixels · "
+      "{8} "
+      "frames</p>\n<p class=\"facts\">{9}</p>\n<div class=\"pictures\"></div>\n<div class=\"numbers\">"
+      "<div class=\"scroll\">{10}</div><div class=\"charts\"></div></div>\n</section>\n",
+      index, escapeHtml(scene.file), formatCount(static_cast<double>(scene.triangles)),
+      formatCount(static_cast<double>(scene.instances)), formatCount(static_cast<double>(scene.materials)),
+      formatCount(static_cast<double>(scene.lights)), scene.width, scene.height, scene.frames,
+      escapeHtml(scene.note), methodTable(scene));
+}
+
+/// Replaces each {{name}} of the template once, left to right: text that is put in is never searched.
+std::string fill(std::string_view page, const std::map<std::string, std::string_view, std::less<>>& values) {
+  std::string out;
+  while (!page.empty()) {
+    const std::size_t open = page.find("{{");
+    out += page.substr(0, open);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = page.find("}}", open);
+    out += values.at(std::string(page.substr(open + 2, close - open - 2)));
+    page.remove_prefix(close + 2);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string toHtml(const Report& report) {
+  const auto page = embeddedReportPage();
+  std::string scenes;
+  for (std::size_t i = 0; i < report.scenes.size(); ++i) scenes += sceneSection(report.scenes[i], i);
+  const std::string context = contextList(report.context);
+  const std::string summary = summaryTable(report);
+  const std::string data = pageData(report);
+  return fill(textOf(page, "report.html"), {{"style", textOf(page, "report.css")},
+                                            {"context", context},
+                                            {"summary", summary},
+                                            {"scenes", scenes},
+                                            {"data", data},
+                                            {"chart", textOf(embeddedChart(), "chart.min.js")},
+                                            {"viewer", textOf(page, "viewer.js")},
+                                            {"charts", textOf(page, "charts.js")},
+                                            {"main", textOf(page, "main.js")}});
+}
+
+}  // namespace tessera

@@ -1,0 +1,82 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/tessera/report/report.hpp"
+#include "engine/measure/metrics.hpp"
+
+namespace tessera {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN or infinity.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json timing(const Statistics& s) {
+  return {{"median", number(s.median)},
+          {"p95", number(s.p95)},
+          {"min", number(s.min)},
+          {"spread", number(s.spread)},
+          {"count", s.count}};
+}
+
+Json methodJson(const ReportMethod& m) {
+  Json passes = Json::array();
+  for (const ReportPass& pass : m.passes) passes.push_back({{"name", pass.name}, {"ms", timing(pass.ms)}});
+  return {{"name", m.name},
+          {"mssim", number(m.mssim)},
+          {"dssim", number(dssim(m.mssim))},
+          {"psnr_db", number(m.psnrDb)},
+          {"flip", number(m.flip)},
+          {"samples_shaded", number(m.samplesShaded)},
+          {"samples_allocated", number(m.samplesAllocated)},
+          {"atlas_texels_used", number(m.atlasTexelsUsed)},
+          {"visible_patches", number(m.visiblePatches)},
+          {"visible_triangles", number(m.visibleTriangles)},
+          {"covered_pixels", number(m.coveredPixels)},
+          {"out_of_memory", number(m.outOfMemory)},
+          {"resets", number(m.resets)},
+          {"holes", number(m.holes)},
+          {"non_finite_texels", number(m.nonFiniteTexels)},
+          {"passes", std::move(passes)},
+          {"frame_ms", timing(m.frameMs)},
+          {"gather_ms", timing(m.gatherMs)},
+          {"display_ms", timing(m.displayMs)},
+          {"ns_per_sample", number(m.nsPerSample)}};
+}
+
+Json sceneJson(const ReportScene& scene) {
+  Json methods = Json::array();
+  for (const ReportMethod& method : scene.methods) methods.push_back(methodJson(method));
+  return {{"file", scene.file},
+          {"note", scene.note},
+          {"triangles", scene.triangles},
+          {"instances", scene.instances},
+          {"materials", scene.materials},
+          {"lights", scene.lights},
+          {"size", {scene.width, scene.height}},
+          {"frames", scene.frames},
+          {"methods", std::move(methods)}};
+}
+
+}  // namespace
+
+std::string toJson(const Report& report) {
+  const ReportContext& c = report.context;
+  Json scenes = Json::array();
+  for (const ReportScene& scene : report.scenes) scenes.push_back(sceneJson(scene));
+  const Json root = {{"schema", 1},
+                     {"context",
+                      {{"backend", c.backend},
+                       {"renderer", c.renderer},
+                       {"gl", c.gl},
+                       {"glsl", c.glsl},
+                       {"timer", c.timer},
+                       {"commit", c.commit},
+                       {"command", c.command}}},
+                     {"scenes", std::move(scenes)}};
+  return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tessera

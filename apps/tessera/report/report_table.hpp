@@ -1,0 +1,20 @@
+// The tables of the report page, as HTML.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "apps/tessera/report/report.hpp"
+
+namespace tessera {
+
+/// Text made fit for HTML content and for attributes in double or single quotes.
+std::string escapeHtml(std::string_view text);
+/// One row per measure, one column per method.
+std::string methodTable(const ReportScene& scene);
+/// One row per scene and method with the few numbers that matter most.
+std::string summaryTable(const Report& report);
+/// 1234567.4 as "1,234,567".
+std::string formatCount(double value);
+
+}  // namespace tessera

@@ -87,17 +87,16 @@ def make_materials(doc):
         "leaf": make("leaf", base=picture(textures.leaf(), "leaf", repeat=False), roughness=0.6, alphaMode="MASK",
                      alphaCutoff=0.5, doubleSided=True),
         "books": make("books", roughness=0.8),
-        "banner": make("banner", base=picture(textures.banner(), "banner", repeat=False), roughness=0.9,
-                       doubleSided=True),
+        "banner": make("banner", base=picture(textures.banner(), "banner", repeat=False), roughness=0.9),
         "notice": make("notice", base=picture(textures.notice(), "notice", repeat=False), roughness=0.7),
         "glass": make("glass", base=pane, roughness=0.15, alphaMode="BLEND", doubleSided=True,
-                      emissiveTexture=dict(pane), emissiveFactor=[0.35, 0.35, 0.35]),
+                      emissiveTexture=dict(pane), emissiveFactor=[0.5, 0.5, 0.5]),
         "hall sign": make("hall sign", extensions=unlit, base=picture(
             textures.sign("TESSERA ATRIUM", (255, 226, 160), (22, 36, 58)), "hall sign", repeat=False)),
         "exit sign": make("exit sign", extensions=unlit, base=picture(
             textures.sign("EXIT", (240, 255, 244), (18, 110, 66)), "exit sign", repeat=False)),
         "lamp shade": make("lamp shade", (0.9, 0.8, 0.62, 1), roughness=0.7, doubleSided=True,
-                           emissiveFactor=[1.0, 0.72, 0.4], extensions={strong: {"emissiveStrength": 1.6}}),
+                           emissiveFactor=[1.0, 0.62, 0.3], extensions={strong: {"emissiveStrength": 1.3}}),
         "moving shade": make("moving shade", (0.6, 0.75, 0.9, 1), roughness=0.5, doubleSided=True,
                              emissiveFactor=[0.55, 0.78, 1.0], extensions={strong: {"emissiveStrength": 2.5}}),
     }
@@ -152,7 +151,7 @@ class Atrium:
             theta = math.pi * i / 24
             z, y = 8.0 * math.cos(theta), SPRING + 2.15 * math.sin(theta)
             normal = (0.0, -math.sin(theta) / 2.15, -math.cos(theta) / 8.0)
-            rows.append([vault.vertex((x, y, z), normal, (x / 2.0, 10.0 * theta / math.pi)) for x in (-12.0, 12.0)])
+            rows.append([vault.vertex((x, y, z), normal, (x / 2.0, 10.0 * theta / math.pi)) for x in (-12.1, 12.1)])
         vault.grid(rows)
         self.place(shell, "vault", self.mesh("vault", (vault, "vault")))
         rib = self.rib()
@@ -294,8 +293,8 @@ class Atrium:
             down = [(10.55, GALLERY + 0.9 + 0.2 * i, z), (10.55, GALLERY - 0.05, z)]
             shape = tube(Mesh(textured=material == "brushed steel"), path + bend + down, radius, 12)
             self.place(pipes, "wall pipe %d" % i, self.mesh("wall pipe %d" % i, (shape, material)), (0.12 * i, 0, 0))
-        for i, side in enumerate((-1, 1)):
-            rod = tube(Mesh(textured=False), [(-9.0, 9.0, -5.3 * side), (9.0, 7.6, 7.4 * side)], 0.02, 6)
+        for i, ends in enumerate((((-9.0, 8.95, -5.3), (3.0, 9.15, 5.3)), ((-3.0, 9.25, 5.3), (9.0, 9.05, -5.3)))):
+            rod = tube(Mesh(textured=False), ends, 0.02, 6)
             self.place(pipes, "tie rod %d" % i, self.mesh("tie rod %d" % i, (rod, "iron")))
 
     # Lamps and lights.
@@ -317,13 +316,13 @@ class Atrium:
                 self.place(lamps, "cord %+.1f %+.1f" % (x, z), cord_mesh, (x, height - 0.6, z), scale=(1, 0.6, 1))
                 self.place(lamps, "lamp %+.1f %+.1f" % (x, z), mesh, (x, height - 0.76, z))
             light = self.doc.light(name="lamps %+.1f" % x, type="point", color=warm, intensity=14.0, range=14.0)
-            self.doc.node(lamps, name="light of lamps %+.1f" % x, translation=(x, 5.1, 0.0), extensions=light)
+            self.doc.node(lamps, name="light of lamps %+.1f" % x, translation=(x, 4.6, 0.0), extensions=light)
         for side, name in ((-1, "north"), (1, "south")):
             for x in (-7.5, -1.5, 4.5, 10.5):
                 self.place(lamps, "cord %s %+.1f" % (name, x), cord_mesh, (x, 2.76, side * 6.8), scale=(1, 1.0, 1))
                 self.place(lamps, "lamp %s %+.1f" % (name, x), mesh, (x, 2.6, side * 6.8))
             light = self.doc.light(name="lamps " + name, type="point", color=warm, intensity=9.0, range=12.0)
-            self.doc.node(lamps, name="light of lamps " + name, translation=(1.5, 2.4, side * 6.8), extensions=light)
+            self.doc.node(lamps, name="light of lamps " + name, translation=(1.5, 2.1, side * 6.8), extensions=light)
         casts = {"tessera_shadow": True}
         sun = self.doc.light(name="sun", type="directional", color=[1.0, 0.93, 0.8], intensity=6.0, extras=casts)
         self.doc.node(lamps, name="sun", translation=(14.0, 9.0, 1.0), rotation=aim((-0.76, -0.60, -0.20)),
@@ -342,25 +341,25 @@ class Atrium:
 
     def moving_lamp(self):
         rails = self.group("lamp rail")
-        self.solid(rails, "rail", "iron", (-8.5, 8.0, -3.26), (8.5, 8.12, -3.14), skip="")
+        self.solid(rails, "rail", "iron", (-6.2, 8.0, -4.26), (6.2, 8.12, -4.14))
         hanger = tube(Mesh(textured=False), [(0, 0, 0), (0, 1.75, 0)], 0.015, 6)
-        for x in (-6.0, 0.0, 6.0):
-            self.place(rails, "rail hanger %+.0f" % x, self.mesh("rail hanger", (hanger, "iron")), (x, 8.1, -3.2))
+        for x in (-5.8, 0.0, 5.8):
+            self.place(rails, "rail hanger %+.1f" % x, self.mesh("rail hanger", (hanger, "iron")), (x, 8.1, -4.2))
         trolley = Mesh(textured=False)
         box(trolley, (-0.18, -0.09, -0.11), (0.18, -0.02, 0.11))
         tube(trolley, [(0, -0.05, 0), (0, -1.25, 0)], 0.012, 6, caps=False)
         shade = lathe(Mesh(textured=False), [(0.34, -1.55), (0.30, -1.42), (0.16, -1.28), (0.03, -1.24)], 24)
         mesh = self.mesh("moving lamp", (trolley, "brass"), (shade, "moving shade"))
-        lamp = self.place(rails, "moving lamp", mesh, (-7.0, 8.0, -3.2))
+        lamp = self.place(rails, "moving lamp", mesh, (-4.8, 8.0, -4.2))
         light = self.doc.light(name="moving lamp", type="spot", color=[0.7, 0.85, 1.0], intensity=110.0, range=12.0,
                                extras={"tessera_shadow": True}, spot={"innerConeAngle": 0.35, "outerConeAngle": 0.62})
         self.doc.node(lamp, name="light of the moving lamp", translation=(0.0, -1.5, 0.0), rotation=aim((0, -1, 0)),
                       extensions=light)
         # There and back: at rest at both ends, fastest in the middle.
-        keys = [(0.0, -7.0, 0.0), (2.0, 0.0, 4.5), (4.0, 7.0, 0.0), (6.0, 0.0, -4.5), (8.0, -7.0, 0.0)]
+        keys = [(0.0, -4.8, 0.0), (2.0, 0.0, 3.2), (4.0, 4.8, 0.0), (6.0, 0.0, -3.2), (8.0, -4.8, 0.0)]
         values = []
         for _, x, speed in keys:
-            values += [(speed, 0.0, 0.0), (x, 8.0, -3.2), (speed, 0.0, 0.0)]
+            values += [(speed, 0.0, 0.0), (x, 8.0, -4.2), (speed, 0.0, 0.0)]
         self.doc.animation("moving lamp", lamp, "translation", [k[0] for k in keys], values, "CUBICSPLINE")
 
     def fan(self):
@@ -407,8 +406,8 @@ class Atrium:
         shelf, books = self.shelf()
         for side, name in ((-1, "north"), (1, "south")):
             for x in (-10.5, -4.5, 1.5, 7.5):
-                self.place(furniture, "shelf %s %+.1f" % (name, x), shelf, (x, 0, side * 7.8), scale=(1, 1, -side))
-                self.place(furniture, "books %s %+.1f" % (name, x), books, (x, 0, side * 7.8), scale=(1, 1, -side))
+                self.place(furniture, "shelf %s %+.1f" % (name, x), shelf, (x, 0, side * 7.8), scale=(1, 1, side))
+                self.place(furniture, "books %s %+.1f" % (name, x), books, (x, 0, side * 7.8), scale=(1, 1, side))
             for x in (-10.5, -1.5, 7.5):
                 self.place(furniture, "vase %s %+.1f" % (name, x), vase, (x, GALLERY, side * 7.3),
                            rotation=turn_y(40 * x))
@@ -544,22 +543,24 @@ class Atrium:
         for z, y in ((-6.6, 0.0), (6.6, 0.0), (0.0, GALLERY)):
             self.place(words, "door %+.1f" % z, door, (-12.0, y, z))
             self.place(words, "exit sign %+.1f" % z, exit_sign, (-11.97, y + 2.5, z))
-        cloth = Mesh()
-        rows = []
-        for i in range(13):
-            y = 1.6 - 3.2 * i / 12
-            row = []
-            for k in range(7):
-                z = 0.62 - 1.24 * k / 6
-                x, slope = 0.05 * math.sin(4 * z + 1.3 * y), 0.2 * math.cos(4 * z + 1.3 * y)
-                row.append(cloth.vertex((x, y, z), (1.0, -0.325 * slope, -slope), (k / 6, i / 12)))
-            rows.append(row)
-        cloth.grid(rows)
+        cloth = Mesh()  # printed on both sides, a finger apart
+        for side in (1, -1):
+            rows = []
+            for i in range(13):
+                y = 1.6 - 3.2 * i / 12
+                row = []
+                for k in range(7):
+                    z = side * (0.62 - 1.24 * k / 6)
+                    x, slope = 0.05 * math.sin(4 * z + 1.3 * y), 0.2 * math.cos(4 * z + 1.3 * y)
+                    row.append(cloth.vertex((x + 0.006 * side, y, z), (side, -0.325 * slope * side, -slope * side),
+                                            (k / 6, i / 12)))
+                rows.append(row)
+            cloth.grid(rows)
         pole = tube(Mesh(textured=False), [(0, 1.62, -0.72), (0, 1.62, 0.72)], 0.025, 8)
         for z in (-0.6, 0.6):
-            tube(pole, [(0, 1.62, z), (0, 2.9, z)], 0.006, 6, caps=False)
+            tube(pole, [(0, 1.62, z), (0, 3.2, z)], 0.006, 6, caps=False)
         banner = self.mesh("banner", (cloth, "banner"), (pole, "brass"))
-        for x, z in ((-3.0, -1.9), (-3.0, 1.9), (3.0, -1.9), (3.0, 1.9)):
+        for x, z in ((-3.0, -2.9), (-3.0, 2.9), (3.0, -2.9), (3.0, 2.9)):
             self.place(words, "banner %+.1f %+.1f" % (x, z), banner, (x, 6.95, z), scale=(1, 0.85, 1))
 
     def cameras(self):

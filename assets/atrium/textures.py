@@ -216,7 +216,7 @@ def stained_glass(size=256):
         if lead:
             return (36, 36, 40, 235)
         pick = (math.floor(u + v) * 3 + math.floor(u - v) * 5 + (int(ring) if ring < 4 else 4)) % len(colours)
-        return colours[pick] + (130,)
+        return colours[pick] + (165,)
 
     return Image.of(size, size, shade)
 

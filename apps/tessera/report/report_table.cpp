@@ -191,8 +191,9 @@ std::string summaryTable(const Report& report) {
     for (const ReportMethod& m : scene.methods) {
       out += "<tr>";
       if (&m == scene.methods.data())
-        out += fmt::format("<th scope=\"rowgroup\" rowspan=\"{}\"><a href=\"#scene-{}\">{}</a></th>",
-                           scene.methods.size(), s, escapeHtml(scene.file));
+        out += fmt::format(
+            "<th scope=\"rowgroup\" rowspan=\"{0}\" title=\"{2}\"><a href=\"#scene-{1}\">{2}</a></th>",
+            scene.methods.size(), s, escapeHtml(scene.file));
       out += fmt::format(
           "<th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
           "<td>{}</td></tr>\n",

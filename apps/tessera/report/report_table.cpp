@@ -89,6 +89,7 @@ std::vector<Row> passRows(const ReportScene& scene) {
     for (const ReportPass& pass : method.passes)
       if (std::find(names.begin(), names.end(), pass.name) == names.end()) names.push_back(pass.name);
   std::vector<Row> rows;
+  rows.reserve(names.size());
   for (const std::string& name : names)
     rows.push_back({escapeHtml(name), "", [name](const ReportMethod& m) -> std::string {
                       for (const ReportPass& pass : m.passes)

@@ -45,6 +45,7 @@ Image scenePicture(int width, int height, double time, int blocky) {
 
 Statistics around(double ms) {
   std::vector<double> samples;
+  samples.reserve(21);
   for (int i = 0; i < 21; ++i) samples.push_back(ms * (0.97 + 0.003 * i));
   return summarize(samples);
 }

@@ -16,7 +16,7 @@ endfunction()
 
 function(tessera_warnings target)
   set(warnings -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
-               -Wdouble-promotion -Wextra-semi)
+               -Wextra-semi)
   if(TESSERA_WARNINGS_AS_ERRORS)
     list(APPEND warnings -Werror)
   endif()

@@ -15,6 +15,7 @@ namespace tessera {
 Result<void> writeFile(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 Result<void> writeFile(const std::filesystem::path& path, std::string_view text);
 /// Reads a whole file. Fails with a message that names it, also when it is past `maxBytes`.
-Result<std::vector<std::uint8_t>> readFile(const std::filesystem::path& path, std::uint64_t maxBytes = std::uint64_t{1} << 32);
+Result<std::vector<std::uint8_t>> readFile(const std::filesystem::path& path,
+                                           std::uint64_t maxBytes = std::uint64_t{1} << 32);
 
 }  // namespace tessera

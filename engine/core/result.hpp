@@ -9,7 +9,8 @@
 
 namespace tessera {
 
-/// What went wrong, in one line fit for a user: "scene.glb: mesh 3, primitive 0: index 912 is past 640 vertices".
+/// What went wrong, in one line fit for a user: "scene.glb: mesh 3, primitive 0: index 912 is past 640
+/// vertices".
 struct Error {
   std::string message;
 };

@@ -51,7 +51,8 @@ void append(void* context, void* bytes, int size) {
 
 Result<Image> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name) {
   if (bytes.empty()) return fail("{}: image has no bytes", name);
-  if (bytes.size() > std::size_t{1} << 30) return fail("{}: image of {} bytes is too large", name, bytes.size());
+  if (bytes.size() > std::size_t{1} << 30)
+    return fail("{}: image of {} bytes is too large", name, bytes.size());
   const int length = static_cast<int>(bytes.size());
   int width = 0;
   int height = 0;
@@ -60,8 +61,8 @@ Result<Image> decodeImage(std::span<const std::uint8_t> bytes, const std::string
     return fail("{}: not a PNG or JPEG image ({})", name, stbi_failure_reason());
   if (width <= 0 || height <= 0 || width > kMaxImageSide || height > kMaxImageSide ||
       static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kMaxImagePixels)
-    return fail("{}: image of {} x {} pixels is past the limit of {} a side and {} in all", name, width, height,
-                kMaxImageSide, kMaxImagePixels);
+    return fail("{}: image of {} x {} pixels is past the limit of {} a side and {} in all", name, width,
+                height, kMaxImageSide, kMaxImagePixels);
   std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
       stbi_load_from_memory(bytes.data(), length, &width, &height, &channels, 4), &stbi_image_free);
   if (!pixels) return fail("{}: image does not decode ({})", name, stbi_failure_reason());
@@ -81,7 +82,8 @@ Result<std::vector<std::uint8_t>> encodePng(const Image& image, bool alpha) {
   const std::vector<std::uint8_t> rgb = alpha ? std::vector<std::uint8_t>{} : withoutAlpha(image);
   const int channels = alpha ? 4 : 3;
   const void* pixels = alpha ? image.pixels.data() : rgb.data();
-  if (stbi_write_png_to_func(&append, &out, image.width, image.height, channels, pixels, image.width * channels) == 0)
+  if (stbi_write_png_to_func(&append, &out, image.width, image.height, channels, pixels,
+                             image.width * channels) == 0)
     return fail("a PNG of {} x {} pixels cannot be encoded", image.width, image.height);
   return out;
 }

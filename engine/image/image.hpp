@@ -19,14 +19,17 @@ struct Image {
   std::vector<std::uint8_t> pixels;
 
   [[nodiscard]] const std::uint8_t* at(int x, int y) const {
-    return pixels.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 4;
+    return pixels.data() +
+           (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 4;
   }
   [[nodiscard]] std::uint8_t* at(int x, int y) {
-    return pixels.data() + (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 4;
+    return pixels.data() +
+           (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 4;
   }
 };
 
-/// The largest side of an image that is decoded; a file that claims more is refused before its pixels are read.
+/// The largest side of an image that is decoded; a file that claims more is refused before its pixels are
+/// read.
 inline constexpr int kMaxImageSide = 16384;
 /// The most pixels of one image; guards memory against files that claim 16384 x 16384.
 inline constexpr std::size_t kMaxImagePixels = std::size_t{1} << 26;

@@ -37,8 +37,8 @@ struct Box {
   [[nodiscard]] double diagonal() const { return empty() ? 0.0 : glm::length(max - min); }
 };
 
-/// Vertices of all primitives, one array an attribute. `position` and `normal` always have one entry a vertex;
-/// the others are either as long as `position` or empty when no primitive of the scene needs them.
+/// Vertices of all primitives, one array an attribute. `position` and `normal` always have one entry a
+/// vertex; the others are either as long as `position` or empty when no primitive of the scene needs them.
 struct Vertices {
   std::vector<glm::vec3> position;  // metres, in the space of the mesh
   std::vector<glm::vec3> normal;    // unit length, or the face normal where the file has none or a zero one
@@ -119,7 +119,8 @@ struct SceneImage {
 
 enum class LightType : std::uint8_t { Directional, Point, Spot };
 
-/// KHR_lights_punctual, in the space of its node (shines along -z). Lux for directional, candela for the others.
+/// KHR_lights_punctual, in the space of its node (shines along -z). Lux for directional, candela for the
+/// others.
 struct Light {
   std::string name;
   LightType type = LightType::Point;
@@ -146,7 +147,8 @@ struct Node {
   std::uint32_t mesh = kNone;
   std::uint32_t camera = kNone;
   std::uint32_t light = kNone;
-  // Local transform: either a matrix, or translation, rotation and scale (animated nodes are always the latter).
+  // Local transform: either a matrix, or translation, rotation and scale (animated nodes are always the
+  // latter).
   bool hasMatrix = false;
   glm::dmat4 matrix{1.0};
   glm::dvec3 translation{0.0};
@@ -167,8 +169,9 @@ struct AnimationChannel {
   std::uint32_t node = 0;
   AnimatedProperty property = AnimatedProperty::Translation;
   Interpolation interpolation = Interpolation::Linear;
-  std::vector<float> times;       // seconds, strictly increasing
-  std::vector<glm::vec4> values;  // one a time (three for Cubic: in-tangent, value, out-tangent); rotations xyzw
+  std::vector<float> times;  // seconds, strictly increasing
+  std::vector<glm::vec4>
+      values;  // one a time (three for Cubic: in-tangent, value, out-tangent); rotations xyzw
 };
 
 struct Animation {
@@ -195,7 +198,7 @@ struct Scene {
   Box bounds;  // of all instances at time 0, world space
 
   [[nodiscard]] std::uint64_t triangleCount() const;  // as instanced
-  [[nodiscard]] bool animated() const;                // any channel drives a node that leads to geometry, light or camera
+  [[nodiscard]] bool animated() const;  // any channel drives a node that leads to geometry, light or camera
 };
 
 /// World transforms at one time. Recomputed by `evaluate`; double so that far-away scenes keep their digits.
@@ -206,6 +209,9 @@ struct SceneState {
 
 /// Evaluates all animations of the scene at `time` seconds (each loops over its own duration) into `state`.
 void evaluate(const Scene& scene, double time, SceneState& state);
+
+/// One entry a node: true if an animation channel drives the node or one of its ancestors.
+std::vector<bool> movingNodes(const Scene& scene);
 
 /// True if the world matrix mirrors (negative determinant): front faces are clockwise then.
 bool mirrors(const glm::dmat4& world);

@@ -1,4 +1,5 @@
-// A stage: the lights, ambient and camera paths that a scene file does not bring. JSON, see assets/stages/README.md.
+// A stage: the lights, ambient and camera paths that a scene file does not bring. JSON, see
+// assets/stages/README.md.
 #pragma once
 
 #include <filesystem>
@@ -40,17 +41,17 @@ struct StageLightKey {
 };
 
 struct StageLight {
-  Light light;                       // type, range, cones, castsShadow; colour and intensity come from the keys
-  std::vector<StageLightKey> keys;   // at least one; linear between keys
-  bool loop = true;                  // repeats after the last key, else holds it
+  Light light;  // type, range, cones, castsShadow; colour and intensity come from the keys
+  std::vector<StageLightKey> keys;  // at least one; linear between keys
+  bool loop = true;                 // repeats after the last key, else holds it
 };
 
 struct Stage {
   std::string file;
-  bool sceneLights = true;          // keep the lights of the scene file
+  bool sceneLights = true;  // keep the lights of the scene file
   bool sceneLightsCastShadows = false;
-  std::optional<Ambient> ambient;   // absent: the default ambient
-  float exposure = 1.0f;            // multiplies radiance before tone mapping
+  std::optional<Ambient> ambient;  // absent: the default ambient
+  float exposure = 1.0f;           // multiplies radiance before tone mapping
   std::vector<StageLight> lights;
   std::vector<CameraPath> paths;
 };
@@ -74,6 +75,7 @@ Result<CameraPath> loadCameraPath(const std::filesystem::path& path);
 
 CameraKey sampleCamera(const CameraPath& path, double time);
 /// All lights of scene and stage at the state's time, scene lights first. `stage` may be null.
-std::vector<LightSample> evaluateLights(const Scene& scene, const SceneState& state, const Stage* stage, double time);
+std::vector<LightSample> evaluateLights(const Scene& scene, const SceneState& state, const Stage* stage,
+                                        double time);
 
 }  // namespace tessera

@@ -1,0 +1,47 @@
+#include <utility>
+#include <vector>
+
+#include <fmt/core.h>
+
+#include "apps/tessera/commands.hpp"
+
+namespace {
+
+int run(int argc, char** argv) {
+  using tessera::app::Exit;
+  CLI::App app(
+      "Tessera: shades the visible surfaces of a scene into one texture and draws any number of views from "
+      "it.");
+  app.name("tessera");
+  app.require_subcommand(1);
+  const std::vector<std::pair<std::string, tessera::app::Run>> commands = {
+      {"render", tessera::app::addRender(app)},
+      {"info", tessera::app::addInfo(app)},
+      {"compare", tessera::app::addCompare(app)},
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // CLI11 prints help, or the one line that says which option is wrong.
+    return app.exit(error) == 0 ? static_cast<int>(Exit::Ok) : static_cast<int>(Exit::BadInput);
+  }
+  for (const auto& [name, command] : commands) {
+    if (!app.got_subcommand(name)) continue;
+    const auto result = command();
+    if (result) return static_cast<int>(Exit::Ok);
+    fmt::print(stderr, "tessera {}: {}\n", name, result.error().message);
+    return static_cast<int>(Exit::BadInput);
+  }
+  return static_cast<int>(Exit::BadInput);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "tessera: {}\n", error.what());
+    return static_cast<int>(tessera::app::Exit::Failed);
+  }
+}

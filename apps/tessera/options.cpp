@@ -1,0 +1,201 @@
+#include "apps/tessera/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+
+namespace tessera::app {
+
+void addContext(CLI::App& command, ContextChoice& choice) {
+  command.add_option("--context", choice.name, "GL context: auto, osmesa or egl")
+      ->check(CLI::IsMember({"auto", "osmesa", "egl"}))
+      ->capture_default_str();
+}
+
+void addSize(CLI::App& command, SizeChoice& choice) {
+  command.add_option("--size", choice.text, "picture size in pixels, WxH")->capture_default_str();
+}
+
+void addCamera(CLI::App& command, CameraChoice& choice) {
+  command.add_option("--camera", choice.camera,
+                     "camera of the scene by name or index, or 'auto' to see all of it");
+  command.add_option("--eye", choice.eye, "x,y,z of the eye in metres")->delimiter(',')->expected(3);
+  command.add_option("--target", choice.target, "x,y,z looked at")->delimiter(',')->expected(3);
+  command.add_option("--fov-y", choice.fovY, "vertical field of view in degrees, 0.1 to 175");
+  command.add_option("--path", choice.path, "camera path: a JSON file, or the name of a path of the stage");
+  command.add_option("--frames", choice.frames, "number of frames along the path")
+      ->check(CLI::Range(1, 1000000));
+  command.add_option("--fps", choice.fps, "frames a second of the path")
+      ->check(CLI::Range(0.001, 100000.0))
+      ->capture_default_str();
+}
+
+void addStage(CLI::App& command, StageChoice& choice) {
+  command.add_option("--stage", choice.file, "JSON file with lights, ambient and camera paths");
+}
+
+void addAtlas(CLI::App& command, AtlasChoice& choice) {
+  command.add_option("--atlas-mpix", choice.megapixels, "atlas size in 2^20 texels")
+      ->check(CLI::Range(0.0625, 256.0))
+      ->capture_default_str();
+  command
+      .add_option("--bias", choice.bias,
+                  "constant level bias: 1 halves the texels, -2 gives four times as many")
+      ->check(CLI::Range(-8.0, 16.0))
+      ->capture_default_str();
+  command.add_flag("!--no-pressure-bias", choice.pressureBias,
+                   "do not lower levels when the atlas gets full");
+  command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
+      ->check(CLI::IsMember({"srgb8", "rgba16f"}))
+      ->capture_default_str();
+  command
+      .add_option("--split-edges", choice.splitEdges,
+                  "split edges longer than this share of the scene's diagonal; 0: never")
+      ->check(CLI::Range(0.0, 1.0));
+}
+
+Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice) {
+  if (choice.name == "osmesa") return gl::Context::createOsMesa();
+  if (choice.name == "egl") return gl::Context::createEgl();
+  // A GPU is reached through EGL; without one OSMesa is the faster software path.
+  auto egl = gl::Context::createEgl();
+  if (egl && !(*egl)->info().software) return egl;
+  auto osmesa = gl::Context::createOsMesa();
+  if (osmesa) {
+    if (egl) egl->reset();
+    if (auto current = (*osmesa)->makeCurrent(); !current) return tl::unexpected(current.error());
+    return osmesa;
+  }
+  if (egl) return egl;
+  return fail("no OpenGL context: {}; {}", egl.error().message, osmesa.error().message);
+}
+
+Result<glm::ivec2> parseSize(const std::string& text) {
+  glm::ivec2 size(0);
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  const auto width = std::from_chars(begin, end, size.x);
+  if (width.ec == std::errc() && width.ptr != end && (*width.ptr == 'x' || *width.ptr == 'X')) {
+    const auto height = std::from_chars(width.ptr + 1, end, size.y);
+    constexpr int kLargest = 16384;
+    if (height.ec == std::errc() && height.ptr == end && size.x >= 1 && size.y >= 1 && size.x <= kLargest &&
+        size.y <= kLargest)
+      return size;
+  }
+  return fail("--size {}: not WxH with each from 1 to 16384", text);
+}
+
+Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
+  EngineOptions options;
+  RectMemoryOptions& memory = options.atlas.memory;
+  const double texels = choice.megapixels * 1048576.0;
+  const int superblock = 1 << memory.superblockLog2;
+  memory.width = std::max(superblock, 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9)));
+  memory.height =
+      std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
+  memory.bias = static_cast<float>(choice.bias);
+  memory.pressureBias = choice.pressureBias;
+  options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
+  if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
+  return options;
+}
+
+Result<std::optional<Stage>> loadStageOf(const StageChoice& choice) {
+  if (choice.file.empty()) return std::optional<Stage>();
+  auto stage = loadStage(choice.file);
+  if (!stage) return tl::unexpected(stage.error());
+  return std::optional<Stage>(std::move(*stage));
+}
+
+std::filesystem::path assetsFolder() {
+  if (const char* folder = std::getenv("TESSERA_ASSETS_DIR"); folder != nullptr && *folder != '\0')
+    return folder;
+  if (std::error_code ignored; std::filesystem::is_directory(TESSERA_SOURCE_ASSETS, ignored))
+    return TESSERA_SOURCE_ASSETS;
+  return TESSERA_INSTALLED_ASSETS;
+}
+
+std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene) {
+  const auto file = assetsFolder() / "stages" / scene.stem().concat(".json");
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(file, ignored) ? std::optional(file) : std::nullopt;
+}
+
+namespace {
+
+Result<std::size_t> cameraIndex(const Scene& scene, const std::string& wanted) {
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i)
+    if (scene.cameras[i].name == wanted) return i;
+  // A node's name is what many exporters give a camera.
+  for (const Node& node : scene.nodes)
+    if (node.camera != kNone && node.name == wanted) return node.camera;
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), index);
+  if (error == std::errc() && end == wanted.data() + wanted.size() && index < scene.cameras.size())
+    return index;
+  std::string names;
+  for (const Camera& camera : scene.cameras) names += fmt::format(" '{}'", camera.name);
+  return fail("--camera {}: {} has {} cameras:{}", wanted, scene.file, scene.cameras.size(), names);
+}
+
+Result<CameraPath> pathOf(const CameraChoice& choice, const Stage* stage) {
+  if (stage != nullptr)
+    for (const CameraPath& path : stage->paths)
+      if (path.name == choice.path) return path;
+  return loadCameraPath(choice.path);
+}
+
+}  // namespace
+
+Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
+                                       glm::ivec2 size) {
+  const double zNear = defaultNear(scene);
+  if (choice.fovY && !(*choice.fovY >= 0.1 && *choice.fovY <= 175.0))
+    return fail("--fov-y {}: outside 0.1 to 175 degrees", *choice.fovY);
+  if (choice.eye.empty() != choice.target.empty()) return fail("--eye and --target go together");
+  for (const double value : choice.eye)
+    if (!std::isfinite(value)) return fail("--eye: {} is not a number", value);
+  for (const double value : choice.target)
+    if (!std::isfinite(value)) return fail("--target: {} is not a number", value);
+  const int given = static_cast<int>(!choice.camera.empty()) + static_cast<int>(!choice.eye.empty()) +
+                    static_cast<int>(!choice.path.empty());
+  if (given > 1) return fail("--camera, --eye with --target, and --path exclude each other");
+
+  std::vector<TimedView> views;
+  if (!choice.path.empty()) {
+    auto path = pathOf(choice, stage);
+    if (!path) return tl::unexpected(path.error());
+    const double first = path->keys.front().time;
+    const double duration = path->keys.back().time - first;
+    const int frames =
+        choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(duration * choice.fps)) + 1;
+    for (int i = 0; i < frames; ++i) {
+      const double time = first + i / choice.fps;
+      CameraKey key = sampleCamera(*path, time);
+      if (choice.fovY) key.fovY = *choice.fovY;
+      views.push_back({time, viewOf(key, size.x, size.y, zNear)});
+    }
+    return views;
+  }
+  View view;
+  if (!choice.eye.empty()) {
+    const glm::dvec3 eye(choice.eye[0], choice.eye[1], choice.eye[2]);
+    const glm::dvec3 target(choice.target[0], choice.target[1], choice.target[2]);
+    if (eye == target) return fail("--eye and --target are the same point");
+    view = lookAt(eye, target, choice.fovY.value_or(60.0), size.x, size.y, zNear);
+  } else if (choice.camera.empty() ? scene.cameras.empty() : choice.camera == "auto") {
+    view = autoView(scene, size.x, size.y);
+  } else {
+    auto index = choice.camera.empty() ? Result<std::size_t>(0) : cameraIndex(scene, choice.camera);
+    if (!index) return tl::unexpected(index.error());
+    SceneState state;
+    evaluate(scene, 0.0, state);
+    view = viewOf(scene, state, *index, size.x, size.y, zNear);
+  }
+  if (choice.fovY) view.fovY = glm::radians(*choice.fovY);
+  for (int i = 0; i < std::max(choice.frames, 1); ++i) views.push_back({i / choice.fps, view});
+  return views;
+}
+
+}  // namespace tessera::app

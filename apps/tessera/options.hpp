@@ -1,0 +1,70 @@
+// Command-line options that several subcommands share, and what they resolve to.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "engine/tessera.hpp"
+
+namespace tessera::app {
+
+/// How a subcommand ends.
+enum class Exit : int { Ok = 0, Failed = 1, BadInput = 2 };
+
+struct ContextChoice {
+  std::string name = "auto";  // auto, osmesa, egl
+};
+struct SizeChoice {
+  std::string text = "1280x720";
+};
+struct CameraChoice {
+  std::string camera;               // name, index or auto
+  std::vector<double> eye, target;  // three numbers each
+  std::optional<double> fovY;       // degrees
+  std::string path;                 // file, or the name of a path of the stage
+  int frames = 0;                   // 0: one picture, or all of the path at `fps`
+  double fps = 30.0;
+};
+struct StageChoice {
+  std::string file;
+};
+struct AtlasChoice {
+  double megapixels = 8.0;
+  double bias = 0.0;
+  bool pressureBias = true;
+  std::string format = "srgb8";
+  double splitEdges = -1.0;  // negative: the engine's default
+};
+
+void addContext(CLI::App& command, ContextChoice& choice);
+void addSize(CLI::App& command, SizeChoice& choice);
+void addCamera(CLI::App& command, CameraChoice& choice);
+void addStage(CLI::App& command, StageChoice& choice);
+void addAtlas(CLI::App& command, AtlasChoice& choice);
+
+Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
+/// "1280x720" to width and height; each 1 to 16384.
+Result<glm::ivec2> parseSize(const std::string& text);
+/// The engine's options for an atlas of about `megapixels` (2^20 texels each).
+Result<EngineOptions> engineOptions(const AtlasChoice& choice);
+Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
+/// The stage that the project ships for a scene of this file name, if there is one.
+std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene);
+/// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the
+/// installed.
+std::filesystem::path assetsFolder();
+
+/// The views of a run, one a frame, with their times in seconds.
+struct TimedView {
+  double time = 0.0;
+  View view;
+};
+Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
+                                       glm::ivec2 size);
+
+}  // namespace tessera::app

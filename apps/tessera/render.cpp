@@ -1,0 +1,165 @@
+// tessera render: pictures of a scene by one method, with statistics or debug views.
+#include <map>
+#include <memory>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/tessera/commands.hpp"
+#include "apps/tessera/context_json.hpp"
+#include "apps/tessera/progress.hpp"
+#include "engine/core/file.hpp"
+
+namespace tessera::app {
+
+namespace {
+
+struct RenderOptions {
+  std::string scene;
+  std::string output;
+  std::string method = "rect";
+  std::string view;
+  std::string stats;
+  ContextChoice context;
+  SizeChoice size;
+  CameraChoice camera;
+  StageChoice stage;
+  AtlasChoice atlas;
+};
+
+const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
+                                                      {"patches", DebugView::Patches},
+                                                      {"levels", DebugView::Levels},
+                                                      {"blocks", DebugView::Blocks},
+                                                      {"texel-density", DebugView::TexelDensity},
+                                                      {"atlas", DebugView::Atlas}};
+
+FrameRequest requestOf(const RenderOptions& options) {
+  FrameRequest request;
+  request.forward = options.method == "forward" || options.method == "forward-prepass";
+  request.depthPrepass = options.method == "forward-prepass";
+  request.rect = !request.forward || !options.view.empty();
+  request.displayGeometry = options.method != "rect-deferred";
+  request.displayDeferred = options.method == "rect-deferred";
+  return request;
+}
+
+std::filesystem::path numbered(const std::filesystem::path& output, std::size_t frame, std::size_t frames) {
+  if (frames == 1) return output;
+  return output.parent_path() /
+         fmt::format("{}.{:04}{}", output.stem().string(), frame, output.extension().string());
+}
+
+nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
+  nlohmann::json json;
+  json["time_s"] = timed.time;
+  nlohmann::json passes = nlohmann::json::array();
+  for (const PassTime& pass : engine.times())
+    passes.push_back({{"name", pass.name}, {"ms", pass.milliseconds}});
+  json["passes"] = passes;
+  json["fragments"] = engine.fragments();
+  if (RectAtlas* atlas = engine.atlas(); atlas != nullptr && engine.visibleSet()->frame() > 0) {
+    const RectStatistics stats = atlas->memory().readStatistics();
+    json["visible_patches"] = stats.visiblePatches;
+    json["visible_triangles"] = engine.visibleTriangles();
+    json["samples_allocated"] = stats.samples;
+    json["atlas_texels_used"] = stats.liveTexels;
+    json["out_of_memory"] = stats.failures;
+    json["resets"] = stats.resets;
+    json["bias"] = stats.bias;
+  }
+  return json;
+}
+
+Result<void> render(const RenderOptions& options) {
+  auto size = parseSize(options.size.text);
+  if (!size) return tl::unexpected(size.error());
+  auto engineSetup = engineOptions(options.atlas);
+  if (!engineSetup) return tl::unexpected(engineSetup.error());
+  auto stage = loadStageOf(options.stage);
+  if (!stage) return tl::unexpected(stage.error());
+  auto progress = std::make_unique<Progress>("render");
+  const auto step = [&](const std::string& text) { progress->step(text); };
+  auto scene = loadGltf(options.scene, {.loadImages = true, .progress = step});
+  if (!scene) return tl::unexpected(scene.error());
+  for (const std::string& warning : scene->warnings)
+    fmt::print(stderr, "warning: {}: {}\n", options.scene, warning);
+  auto views = viewsOf(options.camera, *scene, *stage ? &**stage : nullptr, *size);
+  if (!views) return tl::unexpected(views.error());
+  auto context = openContext(options.context);
+  if (!context) return tl::unexpected(context.error());
+
+  engineSetup->request = requestOf(options);
+  engineSetup->timePasses = !options.stats.empty();
+  engineSetup->countFragments = !options.stats.empty();
+  engineSetup->progress = step;
+  auto made = Engine::create(**context, std::move(*scene), std::move(*stage), *engineSetup);
+  if (!made) return tl::unexpected(made.error());
+  Engine& engine = **made;
+  progress.reset();
+
+  nlohmann::json frames = nlohmann::json::array();
+  Progress frameProgress("frames", views->size());
+  for (std::size_t i = 0; i < views->size(); ++i) {
+    const TimedView& timed = (*views)[i];
+    engine.clearTimes();
+    engine.update(timed.time);
+    if (engineSetup->request.forward)
+      engine.forward(timed.view, engineSetup->request.depthPrepass);
+    else
+      engine.rect(timed.view,
+                  engineSetup->request.displayDeferred ? DisplayMode::Deferred : DisplayMode::Geometry);
+    Image picture;
+    if (!options.view.empty()) {
+      if (engineSetup->request.forward) engine.rect(timed.view);
+      auto debug = engine.debugView(kDebugViews.at(options.view), timed.view);
+      if (!debug) return tl::unexpected(debug.error());
+      picture = std::move(*debug);
+    } else {
+      picture = engine.readColor();
+    }
+    const auto file = numbered(options.output, i, views->size());
+    if (auto written = writePng(file, picture); !written) return written;
+    if (!options.stats.empty()) frames.push_back(frameStatistics(engine, timed));
+    frameProgress.step(file.filename().string());
+  }
+  if (!options.stats.empty()) {
+    nlohmann::json json;
+    json["schema"] = 1;
+    json["context"] = contextJson((*context)->info(), engine.timerMode());
+    json["file"] = options.scene;
+    json["method"] = options.method;
+    json["size"] = {size->x, size->y};
+    json["frames"] = frames;
+    nlohmann::json memory;
+    for (const auto& [what, bytes] : engine.memory()) memory[what] = bytes;
+    json["memory_bytes"] = memory;
+    if (auto written = writeFile(options.stats, json.dump(2) + "\n"); !written) return written;
+  }
+  return {};
+}
+
+}  // namespace
+
+Run addRender(CLI::App& app) {
+  auto options = std::make_shared<RenderOptions>();
+  CLI::App& command = *app.add_subcommand("render", "Draw a scene to PNG files");
+  command.add_option("scene", options->scene, "glTF 2.0 file, .gltf or .glb")->required();
+  command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
+  command.add_option("--method", options->method, "forward, forward-prepass, rect or rect-deferred")
+      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred"}))
+      ->capture_default_str();
+  command
+      .add_option("--view", options->view,
+                  "debug picture: ids, patches, levels, blocks, texel-density or atlas")
+      ->check(CLI::IsMember(kDebugViews));
+  command.add_option("--stats", options->stats, "JSON file for times and counts");
+  addContext(command, options->context);
+  addSize(command, options->size);
+  addCamera(command, options->camera);
+  addStage(command, options->stage);
+  addAtlas(command, options->atlas);
+  return [options] { return render(*options); };
+}
+
+}  // namespace tessera::app

@@ -1,0 +1,225 @@
+#include "atlas/rect/memory.hpp"
+
+#include <cmath>
+#include <cstddef>
+
+#include "glsl/shared/bindings.h"
+
+namespace tessera {
+
+namespace {
+
+// The smallest S, as a share of the atlas: below this a cut would only blur the picture further.
+constexpr float kSmallestTargetShare = 0.125f;
+
+Result<void> checkRange(const char* name, float value, float low, float high) {
+  if (value >= low && value <= high) return {};
+  return fail("atlas memory: {} is {}, not in [{}, {}]", name, value, low, high);
+}
+
+Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint32_t patchInstances) {
+  if (options.superblockLog2 < 1 || options.superblockLog2 > static_cast<int>(glsl::kMaxBlockLog2))
+    return fail("atlas memory: superblocks of 2^{} texels a side are not in [2^1, 2^{}]", options.superblockLog2,
+                glsl::kMaxBlockLog2);
+  const int size = 1 << options.superblockLog2;
+  for (const int side : {options.width, options.height})
+    if (side < size || side > 16384 || side % size != 0)
+      return fail("atlas memory: a side of {} texels is not a multiple of the superblock's {} up to 16384", side, size);
+  // A group count a dimension is at most 65535.
+  if (patchInstances > 65535u * RECT_GROUP)
+    return fail("atlas memory: {} patch instances are more than {}", patchInstances, 65535u * RECT_GROUP);
+  for (const auto& checked :
+       {checkRange("bias", options.bias, -16.0f, 16.0f), checkRange("targetShare", options.targetShare, 1e-6f, 1.0f),
+        checkRange("targetCut", options.targetCut, 1e-6f, 1.0f),
+        checkRange("targetGrowth", options.targetGrowth, 1.0f, 2.0f),
+        checkRange("highWater", options.highWater, 1e-6f, 1.0f),
+        checkRange("hysteresis", options.hysteresis, -1.0f, 2.0f)})
+    if (!checked) return tl::unexpected(checked.error());
+
+  glsl::AtlasConfig config{};
+  config.width = static_cast<glsl::uint>(options.width);
+  config.height = static_cast<glsl::uint>(options.height);
+  config.superblockLog2 = static_cast<glsl::uint>(options.superblockLog2);
+  config.superblocks = (config.width >> config.superblockLog2) * (config.height >> config.superblockLog2);
+  config.patchInstances = patchInstances;
+  config.pressure = options.pressureBias ? 1 : 0;
+  config.constantBias = options.bias;
+  config.hysteresis = options.hysteresis;
+  config.highWater = options.highWater;
+  const float texels = static_cast<float>(options.width) * static_cast<float>(options.height);
+  config.targetLargest = texels * options.targetShare;
+  config.targetSmallest = std::fmin(texels * kSmallestTargetShare, config.targetLargest);
+  config.targetCut = options.targetCut;
+  config.targetGrowth = options.targetGrowth;
+  return config;
+}
+
+/// The state before the first frame. `entries` receives how many entries all stacks have.
+glsl::AtlasState initialState(const glsl::AtlasConfig& config, std::uint64_t& entries) {
+  glsl::AtlasState state{};
+  state.config = config;
+  state.epoch = 1;
+  state.target = config.targetLargest;
+  state.resetWait = 1;
+  entries = 0;
+  for (glsl::uint w = 1; w <= config.superblockLog2; ++w) {
+    state.widths[w].carryOffset = glsl::blocksPerSuperblock(config.superblockLog2, w, w);
+    state.widths[w].carrySuperblock = glsl::kNoSuperblock;
+    for (glsl::uint h = 0; h <= w; ++h) {
+      glsl::LevelState& level = state.levels[glsl::levelIndex(w, h)];
+      level.stackBase = static_cast<glsl::uint>(entries);
+      level.stackCapacity = glsl::stackCapacityOf(config, w, h);
+      entries += level.stackCapacity;
+    }
+  }
+  return state;
+}
+
+void betweenPhases() { gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); }
+
+void dispatchIndirect(const gl::Buffer& buffer, std::size_t offset) {
+  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffer.get());
+  gl::api().DispatchComputeIndirect(static_cast<GLintptr>(offset));
+}
+
+}  // namespace
+
+Result<RectMemory> RectMemory::create(gl::ProgramCache& programs, const RectMemoryOptions& options,
+                                      std::uint32_t patchInstances) {
+  auto config = configFrom(options, patchInstances);
+  if (!config) return tl::unexpected(config.error());
+  RectMemory memory;
+  memory.config_ = *config;
+  std::uint64_t entries = 0;
+  const glsl::AtlasState state = initialState(*config, entries);
+  GLint64 largest = 0;
+  gl::api().GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
+  const std::uint64_t stackBytes = entries * sizeof(glsl::uint);
+  if (stackBytes > static_cast<std::uint64_t>(largest))
+    return fail("atlas memory: stacks of {} bytes for {} x {} texels and {} patches are past this context's limit of {}",
+                stackBytes, options.width, options.height, patchInstances, largest);
+  const struct {
+    const gl::Program** program;
+    const char* path;
+  } passes[] = {{&memory.measure_, "pass/rect_measure.comp"},
+                {&memory.plan_, "pass/rect_plan.comp"},
+                {&memory.request_, "pass/rect_request.comp"},
+                {&memory.provision_, "pass/rect_provision.comp"},
+                {&memory.assign_, "pass/rect_assign.comp"}};
+  for (const auto& pass : passes) {
+    auto program = programs.get({pass.path});
+    if (!program) return tl::unexpected(program.error());
+    *pass.program = *program;
+  }
+  memory.state_ = gl::Buffer(sizeof(glsl::AtlasState));
+  memory.state_.writeValue(state);
+  memory.stacks_ = gl::Buffer(stackBytes);
+  memory.patches_ = gl::Buffer(patchInstances * sizeof(glsl::PatchState));
+  memory.measures_ = gl::Buffer(patchInstances * sizeof(glsl::PatchMeasure));
+  memory.live_ = gl::Buffer((std::size_t{patchInstances} + 1) * sizeof(glsl::uint));
+  return memory;
+}
+
+void RectMemory::bind() const {
+  patches_.bindStorage(BIND_PATCH_STATE);
+  state_.bindStorage(BIND_ATLAS_STATE);
+}
+
+void RectMemory::bindPhases() const {
+  bind();
+  stacks_.bindStorage(BIND_ATLAS_STACKS);
+  measures_.bindStorage(BIND_PATCH_MEASURE);
+  live_.bindStorage(BIND_ATLAS_LIVE);
+}
+
+void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t /*frame*/, std::uint32_t viewCount) {
+  bindPhases();
+  measure_->use();
+  measure_->set(LOCATION_COUNT, viewCount);
+  dispatchIndirect(dispatch, 0);
+}
+
+void RectMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
+  bindPhases();
+  betweenPhases();
+  plan_->use();
+  plan_->set(LOCATION_COUNT, resetAsked_ ? 1u : 0u);
+  resetAsked_ = false;
+  gl::api().DispatchCompute(1, 1, 1);
+  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  request_->use();
+  request_->set(LOCATION_FRAME, frame);
+  dispatchIndirect(state_, offsetof(glsl::AtlasState, requestGroupsX));
+  betweenPhases();
+  provision_->use();
+  gl::api().DispatchCompute(1, 1, 1);
+  betweenPhases();
+  assign_->use();
+  dispatchIndirect(dispatch, 0);
+}
+
+void RectMemory::setBias(float bias) {
+  config_.constantBias = bias;
+  state_.writeValue(bias, offsetof(glsl::AtlasState, config) + offsetof(glsl::AtlasConfig, constantBias));
+}
+
+int RectMemory::textureHeight() const {
+  return static_cast<int>(config_.height + (config_.patchInstances + config_.width - 1) / config_.width);
+}
+
+std::size_t RectMemory::bytes() const {
+  return state_.size() + stacks_.size() + patches_.size() + measures_.size() + live_.size();
+}
+
+glsl::AtlasState RectMemory::readState() const {
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  return state_.readAll<glsl::AtlasState>(1)[0];
+}
+
+RectStatistics RectMemory::readStatistics() const {
+  const glsl::AtlasState state = readState();
+  RectStatistics statistics;
+  statistics.visiblePatches = state.visible;
+  statistics.samples = std::uint64_t{state.liveTexels} + state.records;
+  statistics.liveTexels = state.liveTexels;
+  statistics.records = state.records;
+  statistics.failures = state.failures;
+  statistics.resets = state.resets;
+  statistics.frames = state.frames;
+  for (glsl::uint w = 1; w <= config_.superblockLog2; ++w)
+    for (glsl::uint h = 0; h <= w; ++h)
+      statistics.stackTexels += static_cast<std::uint64_t>(state.levels[glsl::levelIndex(w, h)].stackCount) << (w + h);
+  statistics.freeSuperblocks = config_.superblocks - state.superblocksUsed;
+  statistics.load = static_cast<float>(state.cutTexels) /
+                    (static_cast<float>(config_.width) * static_cast<float>(config_.height));
+  statistics.bias = state.bias;
+  statistics.target = state.target;
+  return statistics;
+}
+
+MemorySnapshot RectMemory::readSnapshot() const {
+  const glsl::AtlasState state = readState();
+  const auto stacks = stacks_.readAll<glsl::uint>(stacks_.size() / sizeof(glsl::uint));
+  const auto patches = patches_.readAll<glsl::PatchState>(config_.patchInstances);
+  MemorySnapshot snapshot{config_.width, config_.height, config_.superblockLog2, {}, {}, {}, {}};
+  for (const glsl::PatchState& patch : patches) {
+    if (patch.epoch != state.epoch || glsl::levelWidth(patch.level) == 0) continue;
+    const glsl::uvec2 at = glsl::unpackOrigin(patch.origin);
+    snapshot.live.push_back({at.x, at.y, glsl::levelWidth(patch.level), glsl::levelHeight(patch.level)});
+  }
+  for (glsl::uint w = 1; w <= config_.superblockLog2; ++w) {
+    for (glsl::uint h = 0; h <= w; ++h) {
+      const glsl::LevelState& level = state.levels[glsl::levelIndex(w, h)];
+      for (int i = 0; i < level.stackCount; ++i) {
+        const glsl::uvec2 at = glsl::unpackOrigin(stacks[level.stackBase + static_cast<glsl::uint>(i)]);
+        snapshot.stacked.push_back({at.x, at.y, w, h});
+      }
+    }
+    if (state.widths[w].carrySuperblock != glsl::kNoSuperblock)
+      snapshot.carried.push_back({w, state.widths[w].carrySuperblock, state.widths[w].carryOffset});
+  }
+  for (glsl::uint i = state.superblocksUsed; i < config_.superblocks; ++i) snapshot.freeSuperblocks.push_back(i);
+  return snapshot;
+}
+
+}  // namespace tessera

@@ -1,0 +1,98 @@
+// Memory of the rectangular atlas on the GPU: which block each visible patch has. Based on Mueller 2021, sec. 3.4
+// and 3.5. All state lives in GPU buffers; a frame reads nothing back.
+#pragma once
+
+#include <cstdint>
+
+#include "atlas/rect/memory_twin.hpp"
+#include "engine/gl/program.hpp"
+#include "glsl/shared/rect_memory.h"
+
+namespace tessera {
+
+struct RectMemoryOptions {
+  int width = 4096;           // texels; a multiple of the superblock, at most 16384
+  int height = 2048;          // texels; a multiple of the superblock; record rows come on top
+  int superblockLog2 = 8;     // [1, 10]; also the largest block. 8: see the measurement in memory.cpp
+  float bias = 0.0f;          // [-16, 16]; log2 of area taken off every block: 1 halves the texels, -2 quadruples them
+  bool pressureBias = true;   // raise the bias when the visible set asks for more than the target S
+  float targetShare = 0.75f;  // (0, 1]; S as a share of the atlas: where it starts, and its upper bound
+  float targetCut = 0.85f;    // (0, 1); factor on S when memory ran out or passed the high-water mark
+  float targetGrowth = 1.002f;  // [1, 2]; factor on S in a frame without such an event
+  float highWater = 0.9f;       // (0, 1]; share of the atlas cut into blocks beyond which memory is reset
+  float hysteresis = 0.15f;     // [0, 2] in log2 of area and of aspect beyond half a step; negative for none
+};
+
+/// What a frame did. Texels are those of the superblocks unless said otherwise.
+struct RectStatistics {
+  std::uint32_t visiblePatches = 0;
+  std::uint64_t samples = 0;     // texels to shade: blocks of visible patches, and one for each record
+  std::uint64_t liveTexels = 0;  // blocks of visible patches
+  std::uint32_t records = 0;     // visible patches at one texel, failures included
+  std::uint32_t failures = 0;    // requests that found no memory
+  std::uint32_t resets = 0;      // since creation
+  std::uint32_t frames = 0;      // since creation
+  std::uint64_t stackTexels = 0;
+  std::uint32_t freeSuperblocks = 0;
+  float load = 0.0f;    // share of the atlas cut into blocks
+  float bias = 0.0f;    // constant and pressure bias together, log2 of area
+  float target = 0.0f;  // S, texels
+};
+
+class RectMemory {
+ public:
+  RectMemory() = default;
+  /// All memory that will ever be used is allocated here. Fails when a size is out of range or the stacks are larger
+  /// than this context's storage blocks.
+  static Result<RectMemory> create(gl::ProgramCache& programs, const RectMemoryOptions& options,
+                                   std::uint32_t patchInstances);
+
+  // Both calls read BIND_VISIBLE, BIND_VISIBLE_MARK and, for measure, the scene's buffers and BIND_VIEWS, which the
+  // caller has bound. `dispatch` holds the groups of RECT_GROUP over the visible list as uvec3 at offset 0.
+  // `frame` is the value that the marks of visible patches have.
+
+  /// The ideal size of every visible patch, over `viewCount` views, 1 to RECT_VIEWS.
+  void measure(const gl::Buffer& dispatch, std::uint32_t frame, std::uint32_t viewCount);
+  /// Level selection and the three phases. Afterwards each visible patch's PatchState says where it lives.
+  void allocate(const gl::Buffer& dispatch, std::uint32_t frame);
+  /// Binds what later passes read: patch states and atlas state.
+  void bind() const;
+
+  /// Frees everything at the next allocate().
+  void reset() { resetAsked_ = true; }
+  /// The constant bias from the next frame on, see RectMemoryOptions::bias.
+  void setBias(float bias);
+
+  /// The texture: superblocks, and below them a texel a patch instance.
+  [[nodiscard]] int textureWidth() const { return static_cast<int>(config_.width); }
+  [[nodiscard]] int textureHeight() const;
+  [[nodiscard]] std::size_t bytes() const;
+
+  // For tests and reports: these wait for the GPU.
+  [[nodiscard]] RectStatistics readStatistics() const;
+  [[nodiscard]] glsl::AtlasState readState() const;
+  /// Live blocks are those that patch states hold, visible or not.
+  [[nodiscard]] MemorySnapshot readSnapshot() const;
+
+  [[nodiscard]] const gl::Buffer& stateBuffer() const { return state_; }
+  [[nodiscard]] const gl::Buffer& patchStates() const { return patches_; }
+  [[nodiscard]] gl::Buffer& measures() { return measures_; }
+
+ private:
+  void bindPhases() const;
+
+  glsl::AtlasConfig config_{};
+  bool resetAsked_ = false;
+  gl::Buffer state_;     // AtlasState
+  gl::Buffer stacks_;    // uint[]: the block stacks, one behind the other
+  gl::Buffer patches_;   // PatchState[patch instances]
+  gl::Buffer measures_;  // PatchMeasure[patch instances], in the order of the visible list
+  gl::Buffer live_;      // uint count, uint ids[]: the last frame's visible list
+  const gl::Program* measure_ = nullptr;
+  const gl::Program* plan_ = nullptr;
+  const gl::Program* request_ = nullptr;
+  const gl::Program* provision_ = nullptr;
+  const gl::Program* assign_ = nullptr;
+};
+
+}  // namespace tessera

@@ -1,0 +1,124 @@
+#include "atlas/rect/rect_atlas.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "glsl/shared/bindings.h"
+
+namespace tessera {
+
+namespace {
+
+// Two triangles an entry; the same pattern serves every batch through its base vertex.
+std::vector<std::uint32_t> entryIndices(std::uint32_t entries) {
+  std::vector<std::uint32_t> indices;
+  indices.reserve(std::size_t{6} * entries);
+  for (std::uint32_t i = 0; i < entries; ++i)
+    for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) indices.push_back(4 * i + corner);
+  return indices;
+}
+
+}  // namespace
+
+Result<RectAtlas> RectAtlas::create(gl::ProgramCache& programs, const RectAtlasOptions& options,
+                                    std::uint32_t patchInstances, std::uint32_t entries,
+                                    std::span<const glsl::BatchGpu> batches) {
+  RectAtlas atlas;
+  auto memory = RectMemory::create(programs, options.memory, patchInstances);
+  if (!memory) return tl::unexpected(memory.error());
+  atlas.memory_ = std::move(*memory);
+  auto emit = programs.get({"pass/rect_emit.comp"});
+  if (!emit) return tl::unexpected(emit.error());
+  atlas.emit_ = *emit;
+
+  const int width = atlas.memory_.textureWidth();
+  const int height = atlas.memory_.textureHeight();
+  GLint largest = 0;
+  gl::api().GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  if (width > largest || height > largest)
+    return fail(
+        "atlas of {} x {} texels ({} rows of them for single-texel patches) is past this context's limit of "
+        "{}",
+        width, height, height - options.memory.height, largest);
+  atlas.format_ = options.format;
+  atlas.texture_ =
+      gl::Texture(options.format == AtlasFormat::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height);
+  if (options.format == AtlasFormat::Srgb8) atlas.encoded_ = atlas.texture_.view(GL_RGBA8);
+  for (gl::Texture* texture : {&atlas.texture_, &atlas.encoded_}) {
+    if (!*texture) continue;
+    texture->filter(GL_LINEAR, GL_LINEAR);
+    texture->wrap(GL_CLAMP_TO_EDGE);
+  }
+  gl::api().ClearTexImage(atlas.texture_.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
+  const std::array<const gl::Texture*, 1> colors = {&atlas.texture_};
+  atlas.framebuffer_ = gl::Framebuffer(colors);
+
+  atlas.entries_ = gl::Buffer(std::size_t{patchInstances} * sizeof(glsl::uint));
+  atlas.vertices_ = gl::Buffer(std::size_t{4} * entries * sizeof(glsl::DisplayVertex));
+  atlas.gather_ = gl::Buffer(std::size_t{4} * entries * sizeof(glsl::GatherVertex));
+  std::uint32_t longest = 0;
+  std::vector<glsl::DrawCommand> commands;
+  for (const glsl::BatchGpu& batch : batches) {
+    longest = std::max(longest, batch.entryCapacity);
+    commands.push_back({0, 1, 0, 4 * batch.firstEntry, 0});
+  }
+  atlas.commands_ = gl::Buffer(commands);
+  atlas.emptyCommands_ = gl::Buffer(commands, 0);
+  atlas.indices_ = gl::Buffer(entryIndices(longest), 0);
+  atlas.vertexArray_ = gl::VertexArray::make();
+  atlas.vertexArray_.indices(atlas.indices_);
+  atlas.vertexArray_.attribute(0, atlas.vertices_, 3, sizeof(glsl::DisplayVertex));
+  const GLuint array = atlas.vertexArray_.get();
+  gl::api().EnableVertexArrayAttrib(array, 1);
+  gl::api().VertexArrayAttribIFormat(array, 1, 1, GL_UNSIGNED_INT, offsetof(glsl::DisplayVertex, texel));
+  gl::api().VertexArrayAttribBinding(array, 1, 0);
+  return atlas;
+}
+
+void RectAtlas::selectLevels(const VisibleSet& visible, std::uint32_t viewCount) {
+  visible.bind();
+  memory_.measure(visible.dispatch(), visible.frame(), viewCount);
+}
+
+void RectAtlas::allocate(const VisibleSet& visible) {
+  visible.bind();
+  memory_.allocate(visible.dispatch(), visible.frame());
+}
+
+void RectAtlas::emit(const VisibleSet& visible) {
+  visible.bind();
+  bind();
+  memory_.bind();
+  gl::api().CopyNamedBufferSubData(emptyCommands_.get(), commands_.get(), 0, 0,
+                                   static_cast<GLsizeiptr>(commands_.size()));
+  emit_->use();
+  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, visible.dispatch().get());
+  gl::api().DispatchComputeIndirect(0);
+}
+
+void RectAtlas::bind() const {
+  entries_.bindStorage(BIND_DRAW_ENTRIES);
+  vertices_.bindStorage(BIND_DRAW_VERTICES);
+  gather_.bindStorage(BIND_GATHER_VERTICES);
+  commands_.bindStorage(BIND_DRAW_COMMANDS);
+}
+
+void RectAtlas::beginShading() const {
+  gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
+  gl::api().Viewport(0, 0, texture_.width(), texture_.height());
+}
+
+void RectAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
+  gl::api().BindVertexArray(vertexArray_.get());
+  gl::api().BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.get());
+  gl::api().MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                      reinterpret_cast<const void*>(first * sizeof(glsl::DrawCommand)),
+                                      static_cast<GLsizei>(count), 0);
+}
+
+std::size_t RectAtlas::bytes() const {
+  return texture_.bytes() + entries_.size() + vertices_.size() + gather_.size() + commands_.size() +
+         indices_.size() + memory_.bytes();
+}
+
+}  // namespace tessera

@@ -1,0 +1,60 @@
+#include "atlas/visible_set.hpp"
+
+#include "glsl/shared/bindings.h"
+
+namespace tessera {
+
+Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, std::uint32_t patchInstances) {
+  VisibleSet set;
+  auto mark = programs.get({"pass/visible_mark.comp"});
+  if (!mark) return tl::unexpected(mark.error());
+  auto finish = programs.get({"pass/visible_finish.comp"});
+  if (!finish) return tl::unexpected(finish.error());
+  set.mark_ = *mark;
+  set.finish_ = *finish;
+  set.capacity_ = patchInstances;
+  set.list_ = gl::Buffer((std::size_t{1} + patchInstances) * sizeof(std::uint32_t));
+  set.marks_ = gl::Buffer(std::size_t{patchInstances} * sizeof(std::uint32_t));
+  set.dispatch_ = gl::Buffer(3 * sizeof(std::uint32_t));
+  return set;
+}
+
+void VisibleSet::begin() {
+  // Frame numbers start at 1, so that freshly zeroed marks mean "never seen"; after 2^32 - 1 frames all start
+  // over.
+  if (++frame_ == 0) {
+    marks_.fill(0);
+    frame_ = 1;
+  }
+  list_.fill(0, 0, sizeof(std::uint32_t));
+}
+
+void VisibleSet::add(const gl::Texture& ids) {
+  bind();
+  ids.bind(UNIT_ID);
+  mark_->use();
+  mark_->set(LOCATION_FRAME, frame_);
+  constexpr int kGroup = 16;
+  gl::api().DispatchCompute(static_cast<GLuint>((ids.width() + kGroup - 1) / kGroup),
+                            static_cast<GLuint>((ids.height() + kGroup - 1) / kGroup), 1);
+  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void VisibleSet::finish() {
+  bind();
+  finish_->use();
+  gl::api().DispatchCompute(1, 1, 1);
+}
+
+void VisibleSet::bind() const {
+  list_.bindStorage(BIND_VISIBLE);
+  marks_.bindStorage(BIND_VISIBLE_MARK);
+  dispatch_.bindStorage(BIND_DISPATCH);
+}
+
+std::vector<std::uint32_t> VisibleSet::read() const {
+  const auto count = list_.readAll<std::uint32_t>(1)[0];
+  return list_.readAll<std::uint32_t>(count, sizeof(std::uint32_t));
+}
+
+}  // namespace tessera

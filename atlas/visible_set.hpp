@@ -1,0 +1,42 @@
+// The exact visible set of one view, or the union over several: a compact list of patch instances on the GPU.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/gl/program.hpp"
+
+namespace tessera {
+
+/// Visible patch instances of the current frame. begin(), add() once a view, finish(); nothing is read back.
+class VisibleSet {
+ public:
+  static Result<VisibleSet> create(gl::ProgramCache& programs, std::uint32_t patchInstances);
+
+  /// Starts a new frame's list.
+  void begin();
+  /// Adds what an id buffer (R32UI, see idOfTriangle in glsl/shared/scene.h) shows.
+  void add(const gl::Texture& ids);
+  /// Writes the indirect-dispatch arguments.
+  void finish();
+
+  /// Binds list, marks and dispatch arguments for the passes that read them.
+  void bind() const;
+  /// uvec3 of groups of 64 over the list, for glDispatchComputeIndirect at offset 0.
+  [[nodiscard]] const gl::Buffer& dispatch() const { return dispatch_; }
+  [[nodiscard]] std::uint32_t frame() const { return frame_; }
+  [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
+  /// Blocking readback of the list, in the order of compaction.
+  [[nodiscard]] std::vector<std::uint32_t> read() const;
+
+ private:
+  gl::Buffer list_;   // uint count, uint ids[]
+  gl::Buffer marks_;  // the frame each patch instance was last visible in; frames count from 1
+  gl::Buffer dispatch_;
+  const gl::Program* mark_ = nullptr;
+  const gl::Program* finish_ = nullptr;
+  std::uint32_t capacity_ = 0;
+  std::uint32_t frame_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,129 @@
+// Passes of the rectangular atlas: place, shade, display.
+#include <algorithm>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "engine/frame/engine_state.hpp"
+#include "glsl/shared/bindings.h"
+#include "glsl/shared/tone.h"
+
+namespace tessera {
+
+namespace {
+
+void setVec2(const gl::Program& program, GLint location, float x, float y) {
+  gl::api().ProgramUniform2f(program.get(), location, x, y);
+}
+
+}  // namespace
+
+void Engine::place(std::span<const View> views) {
+  State& s = *s_;
+  if (!s.atlas || views.empty()) return;
+  const auto guard = s.guard();
+  s.bindScene();
+  s.setViews(views);
+  const auto count = static_cast<std::uint32_t>(std::min(views.size(), kMaxViews));
+  s.pass("levels", [&] { s.atlas->selectLevels(*s.visible, count); });
+  s.pass("memory", [&] { s.atlas->allocate(*s.visible); });
+  s.pass("emit", [&] { s.atlas->emit(*s.visible); });
+}
+
+void Engine::shade(const View& view) {
+  State& s = *s_;
+  if (!s.atlas) return;
+  const auto guard = s.guard();
+  s.bindScene();
+  s.setViews({&view, 1});
+  s.atlas->bind();
+  const auto width = static_cast<float>(s.atlas->texture().width());
+  const auto height = static_cast<float>(s.atlas->texture().height());
+  s.pass("gather", [&] {
+    s.atlas->beginShading();
+    gl::apply({.encodeSrgb = true});
+    s.counted([&] {
+      for (std::uint32_t b = 0; b < s.draw.batches.size(); ++b) {
+        const BatchPrograms& programs = s.batchPrograms[b];
+        programs.gather->use();
+        setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
+        s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
+        s.atlas->drawBatch(b);
+      }
+    });
+  });
+}
+
+void Engine::display(const View& view, DisplayMode mode) {
+  State& s = *s_;
+  const auto guard = s.guard();
+  s.bindScene();
+  s.setViews({&view, 1});
+  s.picture.resize(view.width, view.height);
+  // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
+  // too.
+  const glm::vec3& b = s.options.background;
+  const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
+                                           glsl::encodeSrgb(b.b), 0.0f};
+  const auto clear = [&] {
+    gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_COLOR, 0, background.data());
+    const float farthest = 0.0f;
+    gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_DEPTH, 0, &farthest);
+  };
+  if (!s.atlas) {
+    gl::apply({.depthWrite = true});
+    clear();
+    s.drawTransparent(view, "rect-transparent", s.picture.depth);
+    return;
+  }
+  s.atlas->bind();
+  const float halfX = 0.5f / static_cast<float>(s.atlas->texture().width());
+  const float halfY = 0.5f / static_cast<float>(s.atlas->texture().height());
+  s.atlas->displayTexture().bind(UNIT_ATLAS);
+  gl::api().BindSampler(UNIT_ATLAS, 0);
+  const bool linear = s.atlas->format() == AtlasFormat::Rgba16f;
+
+  if (mode == DisplayMode::Deferred && s.deferred != nullptr) {
+    s.pass("display-deferred", [&] {
+      s.deferred->use();
+      s.id.ids.bind(UNIT_ID);
+      gl::api().BindSampler(UNIT_ID, 0);
+      gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
+      setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
+      const glm::mat3 rays(pixelToRay(view));
+      gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
+      gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, background.data());
+      gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
+                                static_cast<GLuint>((view.height + 7) / 8), 1);
+    });
+    s.drawTransparent(view, "rect-transparent", s.id.depth);
+    gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+    return;
+  }
+  s.pass("display", [&] {
+    const gl::Framebuffer& target = linear ? s.picture.framebuffer : s.picture.encodedFramebuffer;
+    gl::api().BindFramebuffer(GL_FRAMEBUFFER, target.get());
+    gl::api().Viewport(0, 0, view.width, view.height);
+    gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = linear});
+    clear();
+    for (std::uint32_t first = 0; first < s.draw.batches.size();) {
+      const Batch& batch = s.draw.batches[first];
+      std::uint32_t last = first + 1;
+      while (!batch.mask && last < s.draw.batches.size() && !s.draw.batches[last].mask &&
+             s.draw.batches[last].doubleSided == batch.doubleSided)
+        ++last;
+      const BatchPrograms& programs = s.batchPrograms[first];
+      programs.display->use();
+      setVec2(*programs.display, LOCATION_SIZE, halfX, halfY);
+      if (batch.mask) {
+        s.buffers.bindMaterial(batch.material, programs.depth);
+      }
+      // Entries are counter-clockwise in the world, mirrored or not (see rect_emit.comp).
+      gl::applyCulling(!batch.doubleSided, false);
+      s.atlas->drawBatches(first, last - first);
+      first = last;
+    }
+  });
+  s.drawTransparent(view, "rect-transparent", s.picture.depth);
+}
+
+}  // namespace tessera

@@ -1,0 +1,254 @@
+#include "engine/frame/engine.hpp"
+
+#include <algorithm>
+
+#include "engine/frame/engine_state.hpp"
+// SUB #include "engine/scene/subdivide.hpp"
+#include "glsl/shared/bindings.h"
+
+namespace tessera {
+
+namespace {
+
+/// Every attribute a permutation reads has an array: a file may texture a mesh that has no coordinates.
+void completeAttributes(Scene& scene, const SceneFeatures& features) {
+  const std::size_t count = scene.vertices.position.size();
+  for (const Primitive& primitive : scene.primitives) {
+    const Permutation p = permutationOf(scene.materials[primitive.material], primitive.hasColor, features);
+    if (p.usesUv0) scene.vertices.uv0.resize(count, glm::vec2(0.0f));
+    if (p.usesUv1) scene.vertices.uv1.resize(count, glm::vec2(0.0f));
+    if (p.normalTexture) scene.vertices.tangent.resize(count, glm::vec4(0.0f));
+    if (p.vertexColor) scene.vertices.color.resize(count, glm::vec4(1.0f));
+  }
+}
+
+/// More lights or shadow layers than a uniform block holds are refused, not dropped.
+Result<void> checkLights(const Scene& scene, const Stage* stage) {
+  SceneState state;
+  evaluate(scene, 0.0, state);
+  const auto lights = evaluateLights(scene, state, stage, 0.0);
+  std::size_t layers = 0;
+  for (const LightSample& light : lights)
+    if (light.castsShadow) layers += light.type == LightType::Point ? 6 : 1;
+  if (lights.size() > glsl::kMaxLights)
+    return fail("{}: {} lights are past the limit of {}", scene.file, lights.size(), glsl::kMaxLights);
+  if (layers > glsl::kMaxShadowLayers)
+    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}", scene.file, layers,
+                glsl::kMaxShadowLayers);
+  return {};
+}
+
+}  // namespace
+
+Engine::Engine() = default;
+Engine::~Engine() = default;
+
+Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene, std::optional<Stage> stage,
+                                               const EngineOptions& options) {
+  if (options.shadowSize < 64 || options.shadowSize > 8192)
+    return fail("shadow size {} is outside [64, 8192]", options.shadowSize);
+  if (!(options.splitEdges >= 0.0 && options.splitEdges <= 1.0))
+    return fail("edge split share {} is outside [0, 1]", options.splitEdges);
+  const auto say = [&](const char* step) {
+    if (options.progress) options.progress(step);
+  };
+  auto engine = std::unique_ptr<Engine>(new Engine);
+  engine->s_ = std::make_unique<State>(context);
+  State& s = *engine->s_;
+  s.options = options;
+  s.scene = std::move(scene);
+  s.stage = std::move(stage);
+  const auto guard = s.guard();
+
+  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits) return tl::unexpected(fits.error());
+  say("splitting long edges");
+  // SUB if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
+  s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);
+  s.graph = planFrame(s.features, options.request);
+  completeAttributes(s.scene, s.features);
+  say("building patches");
+  s.draw = prepare(s.scene, options.patches);
+  s.anchor = s.scene.bounds.centre();
+  say("uploading");
+  auto buffers = upload(s.scene, s.draw);
+  if (!buffers) return tl::unexpected(buffers.error());
+  s.buffers = std::move(*buffers);
+  s.frameBuffer = gl::Buffer(sizeof(glsl::FrameGpu));
+  s.viewBuffer = gl::Buffer(kMaxViews * sizeof(glsl::ViewGpu));
+  s.drawCommands = gl::Buffer(std::max<std::size_t>(s.draw.instances.size(), 1) * sizeof(glsl::DrawCommand));
+  if (options.timePasses) s.timer.emplace(gl::timerModeFor(context.info()));
+  if (options.countFragments) s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+
+  say("compiling shaders");
+  if (auto compiled = s.compile(); !compiled) return tl::unexpected(compiled.error());
+  if (s.graph.find("gather") != nullptr) {
+    auto visible = VisibleSet::create(s.programs, s.draw.patchInstances);
+    if (!visible) return tl::unexpected(visible.error());
+    s.visible = std::move(*visible);
+    std::vector<glsl::BatchGpu> batches;
+    for (const Batch& batch : s.draw.batches)
+      batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
+    auto atlas = RectAtlas::create(s.programs, options.atlas, s.draw.patchInstances, s.draw.entries, batches);
+    if (!atlas) return tl::unexpected(atlas.error());
+    s.atlas = std::move(*atlas);
+  }
+  if (s.features.blend) {
+    std::uint32_t longest = 0;
+    for (const Instance& instance : s.draw.blended)
+      longest = std::max(longest, s.scene.primitives[instance.primitive].indexCount);
+    s.blendIndices = gl::Buffer(std::size_t{longest} * sizeof(std::uint32_t));
+  }
+  return engine;
+}
+
+void Engine::State::bindScene() {
+  buffers.bind();
+  if (lightBuffer) lightBuffer.bindUniform(BIND_LIGHTS);
+  if (shadowBuffer) shadowBuffer.bindUniform(BIND_SHADOWS);
+  frameBuffer.bindUniform(BIND_FRAME);
+  viewBuffer.bindUniform(BIND_VIEWS);
+  if (shadowMap) {
+    shadowMap.bind(UNIT_SHADOW);
+    gl::api().BindSampler(UNIT_SHADOW, 0);
+  }
+}
+
+void Engine::State::setViews(std::span<const View> views) {
+  std::vector<glsl::ViewGpu> records;
+  for (const View& view : views.first(std::min(views.size(), kMaxViews)))
+    records.push_back(viewGpu(view, anchor));
+  viewBuffer.write(std::span<const glsl::ViewGpu>(records));
+}
+
+void Engine::update(double time) {
+  State& s = *s_;
+  const auto guard = s.guard();
+  const bool first = !s.updated;
+  if (first || s.features.animated) {
+    evaluate(s.scene, time, s.now);
+    const auto records = instanceRecords(s.scene, s.draw, s.now, s.anchor);
+    s.buffers.instances.write(std::span<const glsl::InstanceGpu>(records));
+    s.bounds = instanceBounds(s.scene, s.draw.instances, s.now);
+    for (Box& box : s.bounds) {
+      box.min -= s.anchor;
+      box.max -= s.anchor;
+    }
+    s.mirrored.clear();
+    for (std::size_t i = 0; i < s.draw.instances.size(); ++i)
+      s.mirrored.push_back((records[i].flags & glsl::kInstanceMirrored) != 0);
+  }
+  const Stage* stage = s.stage ? &*s.stage : nullptr;
+  if (s.features.lights)
+    s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor,
+                           s.options.shadowSize);
+  if (first) {
+    if (s.features.lights) s.lightBuffer = gl::Buffer(glsl::kMaxLights * sizeof(glsl::LightGpu));
+    if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
+    if (s.features.shadows) {
+      const int size = s.options.shadowSize;
+      s.shadowMap =
+          gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(s.lights.layers.size()));
+      s.shadowMap.filter(GL_LINEAR, GL_LINEAR);
+      s.shadowMap.wrap(GL_CLAMP_TO_EDGE);
+      s.shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+      s.shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+      for (std::size_t i = 0; i < s.lights.layers.size(); ++i)
+        s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
+                                          static_cast<int>(i));
+    }
+  }
+  if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
+  if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
+  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient : Ambient{};
+  glsl::FrameGpu frame{};
+  frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
+  frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
+  frame.background = glm::vec4(s.options.background, 0.0f);
+  frame.lightCount = static_cast<glsl::uint>(s.lights.lights.size());
+  s.frameBuffer.writeValue(frame);
+  s.updated = true;
+  s.drawShadows();
+}
+
+void Engine::rect(const View& view, DisplayMode mode) {
+  const std::array<View, 1> views = {view};
+  findVisible(views);
+  place(views);
+  shade(view);
+  display(view, mode);
+}
+
+Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp) {
+  Image image{width, height, std::vector<std::uint8_t>(bottomUp.size())};
+  const auto row = static_cast<std::size_t>(width) * 4;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
+    std::copy_n(
+        bottomUp.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height) - 1 - y) * row), row,
+        image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
+  return image;
+}
+
+const gl::Texture& Engine::color() const { return s_->picture.color; }
+
+Image Engine::readColor() const {
+  const auto guard = s_->guard();
+  const gl::Texture& texture = s_->picture.encoded;
+  return flipped(texture.width(), texture.height(), gl::readTexture(texture, GL_RGBA, GL_UNSIGNED_BYTE, 4));
+}
+
+Image Engine::readAtlas() const {
+  const auto guard = s_->guard();
+  if (!s_->atlas) return {};
+  const gl::Texture& texture = s_->atlas->displayTexture();
+  return flipped(texture.width(), texture.height(), gl::readTexture(texture, GL_RGBA, GL_UNSIGNED_BYTE, 4));
+}
+
+void Engine::blit(unsigned framebuffer, int x, int y, int width, int height) const {
+  const auto guard = s_->guard();
+  gl::apply({});
+  const bool same = width == s_->picture.color.width() && height == s_->picture.color.height();
+  gl::api().BlitNamedFramebuffer(s_->picture.encodedFramebuffer.get(), framebuffer, 0, 0,
+                                 s_->picture.color.width(), s_->picture.color.height(), x, y, x + width,
+                                 y + height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+}
+
+const Scene& Engine::scene() const { return s_->scene; }
+const SceneState& Engine::state() const { return s_->now; }
+const Stage* Engine::stage() const { return s_->stage ? &*s_->stage : nullptr; }
+const DrawScene& Engine::drawScene() const { return s_->draw; }
+const SceneFeatures& Engine::features() const { return s_->features; }
+const FrameGraph& Engine::graph() const { return s_->graph; }
+const RectAtlas* Engine::atlas() const { return s_->atlas ? &*s_->atlas : nullptr; }
+RectAtlas* Engine::atlas() { return s_->atlas ? &*s_->atlas : nullptr; }
+const VisibleSet* Engine::visibleSet() const { return s_->visible ? &*s_->visible : nullptr; }
+const std::vector<std::string>& Engine::permutations() const { return s_->programs.compiled(); }
+const std::vector<PassTime>& Engine::times() const { return s_->times; }
+void Engine::clearTimes() { s_->times.clear(); }
+gl::TimerMode Engine::timerMode() const { return gl::timerModeFor(s_->context->info()); }
+std::uint64_t Engine::fragments() const { return s_->fragments; }
+
+std::uint64_t Engine::visibleTriangles() const {
+  std::uint64_t triangles = 0;
+  if (!s_->visible) return triangles;
+  const DrawScene& draw = s_->draw;
+  for (const std::uint32_t patch : s_->visible->read()) {
+    const std::uint32_t instance = draw.instanceOfPatch[patch];
+    const std::uint32_t offset = draw.patchOffset[draw.instances[instance].primitive];
+    triangles += draw.patches[offset + patch - draw.patchBase[instance]].triangles;
+  }
+  return triangles;
+}
+
+std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
+  const State& s = *s_;
+  std::size_t targets = 0;
+  for (const gl::Texture* texture : {&s.picture.color, &s.picture.depth, &s.id.ids, &s.id.depth})
+    if (*texture) targets += texture->bytes();
+  std::vector<std::pair<std::string, std::size_t>> sizes = {
+      {"geometry", s.buffers.geometryBytes}, {"textures", s.buffers.textureBytes}, {"targets", targets}};
+  if (s.atlas) sizes.emplace_back("atlas", s.atlas->bytes());
+  if (s.shadowMap) sizes.emplace_back("shadow-map", s.shadowMap.bytes());
+  return sizes;
+}
+
+}  // namespace tessera

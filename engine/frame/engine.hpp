@@ -1,0 +1,125 @@
+// The face of the engine. A host calls the stages, each at its own rate:
+//   update       animation and lights at a time
+//   findVisible  the visible set of one or more views
+//   place        levels and blocks for the visible set
+//   shade        the blocks' texels
+//   display      a picture of any view, from the atlas
+// and `forward` is the reference: the same shading code, straight to the screen.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "atlas/rect/rect_atlas.hpp"
+#include "engine/frame/batches.hpp"
+#include "engine/frame/features.hpp"
+#include "engine/frame/graph.hpp"
+#include "engine/frame/lights.hpp"
+#include "engine/frame/scene_buffers.hpp"
+#include "engine/frame/view.hpp"
+#include "engine/gl/context.hpp"
+#include "engine/gl/timer.hpp"
+#include "engine/scene/scene.hpp"
+#include "engine/scene/stage.hpp"
+
+namespace tessera {
+
+struct EngineOptions {
+  RectAtlasOptions atlas;
+  PatchOptions patches;
+  FrameRequest request{.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = true};
+  /// Triangles with an edge longer than this share of the scene's diagonal are split at load, so that huge
+  /// quads become patches of bounded size of which only the visible are shaded. (0, 1]; 0 = never. 1/24:
+  /// measured default.
+  double splitEdges = 1.0 / 24.0;
+  int shadowSize = 1024;                                  // texels a side of a shadow-map layer, [64, 8192]
+  glm::vec3 background{0.030f, 0.034f, 0.042f};           // display-referred linear
+  bool timePasses = false;                                // measure each pass: a finish or a query around it
+  bool countFragments = false;                            // pipeline statistics around forward and gather
+  std::function<void(const std::string& step)> progress;  // load steps, may be empty
+};
+
+/// Time of one pass in its last run.
+struct PassTime {
+  std::string name;
+  double milliseconds = 0.0;
+};
+
+enum class DisplayMode : std::uint8_t { Geometry, Deferred };
+enum class DebugView : std::uint8_t { Ids, Patches, Levels, TexelDensity, Blocks, Atlas };
+
+class Engine {
+ public:
+  /// Takes the scene, prepares and uploads it, and compiles every program its plan needs. The context must be
+  /// current on this thread, here and in every later call. Fails with the shader, image or limit that does
+  /// not fit.
+  static Result<std::unique_ptr<Engine>> create(gl::Context& context, Scene scene, std::optional<Stage> stage,
+                                                const EngineOptions& options);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  /// Moves nodes, lights and shadow maps to `time` seconds. Must be called once before the first other stage.
+  void update(double time);
+  /// The union of what the views see. At most kMaxViews views, all of the size of the first.
+  void findVisible(std::span<const View> views);
+  /// Places the visible set for these views (the largest over them counts).
+  void place(std::span<const View> views);
+  /// Shades every placed patch, as seen from `view`'s eye.
+  void shade(const View& view);
+  /// Draws a view from the atlas into color(). Geometry: any camera, any size. Deferred: the view that
+  /// findVisible was last called with.
+  void display(const View& view, DisplayMode mode = DisplayMode::Geometry);
+  /// The reference. With `depthPrepass`, depth alone is drawn first.
+  void forward(const View& view, bool depthPrepass = false);
+  /// findVisible, place, shade and display of one view.
+  void rect(const View& view, DisplayMode mode = DisplayMode::Geometry);
+
+  /// What display or forward drew last: SRGB8_ALPHA8, alpha 0 where nothing was drawn.
+  [[nodiscard]] const gl::Texture& color() const;
+  /// Blocking readback of color(), or of the atlas, rows from the top.
+  [[nodiscard]] Image readColor() const;
+  [[nodiscard]] Image readAtlas() const;
+  /// A picture that explains a stage; ids to texel density need findVisible and place for `view` first.
+  Result<Image> debugView(DebugView what, const View& view);
+  /// Draws color() over the host's framebuffer (x, y, width, height in pixels).
+  void blit(unsigned framebuffer, int x, int y, int width, int height) const;
+
+  [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] const SceneState& state() const;
+  [[nodiscard]] const Stage* stage() const;
+  [[nodiscard]] const DrawScene& drawScene() const;
+  [[nodiscard]] const SceneFeatures& features() const;
+  [[nodiscard]] const FrameGraph& graph() const;
+  [[nodiscard]] const RectAtlas* atlas() const;
+  [[nodiscard]] RectAtlas* atlas();
+  [[nodiscard]] const VisibleSet* visibleSet() const;
+  /// "pass/forward.vert + pass/shade.frag NORMAL_TEX ...", one a program.
+  [[nodiscard]] const std::vector<std::string>& permutations() const;
+  /// Times of the passes that ran since clearTimes(), in order; empty without EngineOptions::timePasses.
+  [[nodiscard]] const std::vector<PassTime>& times() const;
+  void clearTimes();
+  [[nodiscard]] gl::TimerMode timerMode() const;
+  /// Fragment-shader invocations of the last forward (opaque part) or gather; 0 without countFragments.
+  [[nodiscard]] std::uint64_t fragments() const;
+  /// Sum of triangles over the visible patches; blocking readback.
+  [[nodiscard]] std::uint64_t visibleTriangles() const;
+  /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for
+  /// Srgb8, which cannot hold such a value.
+  [[nodiscard]] std::uint64_t nonFiniteTexels() const;
+  /// Bytes of GPU memory by purpose: "geometry", "textures", "atlas", "targets", "shadow-map".
+  [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> memory() const;
+
+  static constexpr std::size_t kMaxViews = 8;
+
+ private:
+  Engine();
+  struct State;
+  std::unique_ptr<State> s_;
+};
+
+}  // namespace tessera

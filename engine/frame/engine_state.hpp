@@ -1,0 +1,145 @@
+// The insides of Engine, shared by the files that implement it. Not installed.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/frame/engine.hpp"
+#include "engine/gl/draw_state.hpp"
+#include "engine/gl/state_guard.hpp"
+
+namespace tessera {
+
+/// Colour and depth of one picture.
+struct PictureTarget {
+  gl::Texture color;                   // SRGB8_ALPHA8
+  gl::Texture encoded;                 // its RGBA8 view
+  gl::Texture depth;                   // DEPTH_COMPONENT32F
+  gl::Framebuffer framebuffer;         // of color
+  gl::Framebuffer encodedFramebuffer;  // of encoded: writes are copied as they are
+  void resize(int width, int height);
+};
+
+/// The id pass's target.
+struct IdTarget {
+  gl::Texture ids;  // R32UI
+  gl::Texture depth;
+  gl::Framebuffer framebuffer;
+  void resize(int width, int height);
+};
+
+/// Programs of a batch, by what draws it. Null where the plan has no such pass.
+struct BatchPrograms {
+  Permutation shading;
+  Permutation depth;
+  const gl::Program* forward = nullptr;
+  const gl::Program* gather = nullptr;
+  const gl::Program* id = nullptr;
+  const gl::Program* depthOnly = nullptr;
+  const gl::Program* shadow = nullptr;
+  const gl::Program* display = nullptr;
+};
+
+/// A BLEND instance and its program.
+struct BlendedPrograms {
+  Permutation shading;
+  const gl::Program* forward = nullptr;
+};
+
+struct Engine::State {
+  explicit State(gl::Context& current) : context(&current), programs(current) {}
+
+  gl::Context* context;
+  gl::ProgramCache programs;
+  EngineOptions options;
+  Scene scene;
+  std::optional<Stage> stage;
+  SceneFeatures features;
+  FrameGraph graph;
+  BarrierTracker barriers;
+  DrawScene draw;
+  SceneBuffers buffers;
+  glm::dvec3 anchor{0.0};
+
+  SceneState now;
+  bool updated = false;
+  std::vector<Box> bounds;  // of draw.instances, relative to the anchor
+  std::vector<bool> mirrored;
+  LightSet lights;
+  std::vector<glsl::LightGpu> uploadedLights;
+  gl::Buffer lightBuffer, shadowBuffer, frameBuffer, viewBuffer, drawCommands;
+  gl::Texture shadowMap;
+  std::vector<gl::Framebuffer> shadowFramebuffers;
+  gl::Buffer blendIndices;
+  gl::VertexArray blendArray;
+
+  std::vector<BatchPrograms> batchPrograms;
+  std::vector<BlendedPrograms> blendedPrograms;  // one a blended instance
+  const gl::Program* deferred = nullptr;
+
+  std::optional<VisibleSet> visible;
+  std::optional<RectAtlas> atlas;
+  PictureTarget picture;
+  IdTarget id;
+
+  std::vector<PassTime> times;
+  std::optional<gl::Timer> timer;
+  gl::Query fragmentQuery;
+  std::uint64_t fragments = 0;
+
+  /// Runs a pass of the plan with its barriers and its timer; does nothing for a pass that the plan does not
+  /// have.
+  template <class Run>
+  void pass(const char* name, Run&& run) {
+    const Pass* planned = graph.find(name);
+    if (planned == nullptr) return;
+    if (const std::uint32_t bits = barriers.before(*planned); bits != 0) gl::api().MemoryBarrier(bits);
+    if (!timer) {
+      run();
+      return;
+    }
+    timer->begin();
+    run();
+    timer->end();
+    times.push_back({name, timer->milliseconds()});
+  }
+  /// Counts the fragments that `run` shades, when asked to.
+  template <class Run>
+  void counted(Run&& run) {
+    if (!options.countFragments) {
+      run();
+      return;
+    }
+    fragmentQuery.begin();
+    run();
+    fragmentQuery.end();
+    fragments = fragmentQuery.result();
+  }
+  /// A host's state is saved around every call; contexts of our own have no one to be kind to.
+  [[nodiscard]] std::optional<gl::StateGuard> guard() const {
+    return context->info().backend == gl::Backend::Host ? std::optional<gl::StateGuard>(std::in_place)
+                                                        : std::nullopt;
+  }
+
+  Result<void> compile();
+  void bindScene();
+  void setViews(std::span<const View> views);
+  [[nodiscard]] DrawList visibleDraws(const glm::dmat4& toClip) const;
+  /// Uploads the list's commands and makes them current.
+  void useCommands(const DrawList& list);
+  void drawRange(const DrawRange& range) const;
+  /// Draws all of a list with depth-only or id programs, material by material only where the alpha test needs
+  /// it.
+  void drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program, bool cull, int layer);
+  void drawShadows();
+  void drawTransparent(const View& view, const char* passName, const gl::Texture& depth);
+};
+
+/// Pixels from a bottom-up RGBA readback, rows from the top.
+Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp);
+
+}  // namespace tessera

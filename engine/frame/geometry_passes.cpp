@@ -1,0 +1,259 @@
+// Passes that draw the scene's geometry: shadow maps, ids, depth pre-pass, forward, transparent.
+#include <algorithm>
+#include <numeric>
+
+#include "engine/frame/engine_state.hpp"
+#include "glsl/shared/bindings.h"
+
+namespace tessera {
+
+namespace {
+
+void clearColor(const gl::Framebuffer& framebuffer, const glm::vec4& color) {
+  gl::api().ClearNamedFramebufferfv(framebuffer.get(), GL_COLOR, 0, &color.x);
+}
+
+void clearDepth(const gl::Framebuffer& framebuffer, float value) {
+  gl::api().ClearNamedFramebufferfv(framebuffer.get(), GL_DEPTH, 0, &value);
+}
+
+// Clears obey masks and scissor, so a pass sets its state first.
+void beginPass(const gl::Framebuffer& framebuffer, int width, int height, const gl::DrawState& state) {
+  gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer.get());
+  gl::api().Viewport(0, 0, width, height);
+  gl::apply(state);
+}
+
+}  // namespace
+
+void PictureTarget::resize(int width, int height) {
+  if (color && color.width() == width && color.height() == height) return;
+  *this = {};
+  color = gl::Texture(GL_SRGB8_ALPHA8, width, height);
+  color.filter(GL_LINEAR, GL_LINEAR);
+  color.wrap(GL_CLAMP_TO_EDGE);
+  encoded = color.view(GL_RGBA8);
+  depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
+  const std::array<const gl::Texture*, 1> colors = {&color};
+  const std::array<const gl::Texture*, 1> raw = {&encoded};
+  framebuffer = gl::Framebuffer(colors, &depth);
+  encodedFramebuffer = gl::Framebuffer(raw, &depth);
+}
+
+void IdTarget::resize(int width, int height) {
+  if (ids && ids.width() == width && ids.height() == height) return;
+  *this = {};
+  ids = gl::Texture(GL_R32UI, width, height);
+  ids.filter(GL_NEAREST, GL_NEAREST);
+  depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
+  const std::array<const gl::Texture*, 1> colors = {&ids};
+  framebuffer = gl::Framebuffer(colors, &depth);
+}
+
+DrawList Engine::State::visibleDraws(const glm::dmat4& toClip) const {
+  return cull(scene, draw, bounds, mirrored, frustumOf(toClip));
+}
+
+void Engine::State::useCommands(const DrawList& list) {
+  drawCommands.write(std::span<const glsl::DrawCommand>(list.commands));
+  gl::api().BindBuffer(GL_DRAW_INDIRECT_BUFFER, drawCommands.get());
+  gl::api().BindVertexArray(buffers.vertexArray.get());
+}
+
+void Engine::State::drawRange(const DrawRange& range) const {
+  gl::api().MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT,
+                                      reinterpret_cast<const void*>(range.first * sizeof(glsl::DrawCommand)),
+                                      static_cast<GLsizei>(range.count), 0);
+}
+
+void Engine::State::drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program,
+                                  bool doCull, int layer) {
+  useCommands(list);
+  for (std::size_t i = 0; i < list.ranges.size(); ++i) {
+    DrawRange run = list.ranges[i];
+    const Batch& batch = draw.batches[run.batch];
+    const BatchPrograms& chosen = batchPrograms[run.batch];
+    // Ranges that need no material and share their culling are one multi-draw.
+    while (!batch.mask && i + 1 < list.ranges.size()) {
+      const DrawRange& next = list.ranges[i + 1];
+      const Batch& other = draw.batches[next.batch];
+      if (other.mask || other.doubleSided != batch.doubleSided || next.mirrored != run.mirrored) break;
+      run.count += next.count;
+      ++i;
+    }
+    (chosen.*program)->use();
+    if (layer >= 0) (chosen.*program)->set(LOCATION_VIEW, static_cast<unsigned>(layer));
+    if (batch.mask) {
+      buffers.bindMaterial(batch.material, chosen.depth);
+    }
+    gl::applyCulling(doCull && !batch.doubleSided, run.mirrored);
+    drawRange(run);
+  }
+}
+
+void Engine::State::drawShadows() {
+  if (!features.shadows) return;
+  // A static scene under lights that stand still keeps its shadow map.
+  std::vector<bool> stale(lights.layers.size(), features.animated);
+  const bool comparable = lights.lights.size() == uploadedLights.size();
+  for (std::size_t i = 0; i < lights.lights.size(); ++i) {
+    const glsl::LightGpu& light = lights.lights[i];
+    if (light.shadowLayer == glsl::kNoShadow) continue;
+    const bool moved = !comparable || uploadedLights[i].position != light.position ||
+                       uploadedLights[i].direction != light.direction || uploadedLights[i].coneScale != light.coneScale ||
+                       uploadedLights[i].coneOffset != light.coneOffset;
+    const std::uint32_t layers = light.type == glsl::kLightPoint ? 6 : 1;
+    for (std::uint32_t layer = light.shadowLayer; moved && layer < light.shadowLayer + layers; ++layer)
+      stale[layer] = true;
+  }
+  uploadedLights = lights.lights;
+  if (std::none_of(stale.begin(), stale.end(), [](bool b) { return b; })) return;
+  pass("shadow", [&] {
+    bindScene();
+    for (std::size_t layer = 0; layer < lights.layers.size(); ++layer) {
+      if (!stale[layer]) continue;
+      // The slope-scaled offset covers what the normal offset in lib/shadow.glsl does not: the map's own
+      // sampling.
+      beginPass(
+          shadowFramebuffers[layer], options.shadowSize, options.shadowSize,
+          {.depth = gl::DepthTest::Less, .depthWrite = true, .offsetFactor = 1.5f, .offsetUnits = 2.0f});
+      clearDepth(shadowFramebuffers[layer], 1.0f);
+      // Both sides cast: thin walls and open meshes throw shadows from either.
+      drawDepthList(cull(scene, draw, bounds, mirrored, lights.layers[layer].frustum), &BatchPrograms::shadow,
+                    false, static_cast<int>(layer));
+    }
+  });
+}
+
+void Engine::findVisible(std::span<const View> views) {
+  State& s = *s_;
+  if (!s.visible || views.empty()) return;
+  const auto guard = s.guard();
+  s.bindScene();
+  s.visible->begin();
+  for (const View& view : views.first(std::min(views.size(), kMaxViews))) {
+    s.setViews({&view, 1});
+    s.id.resize(view.width, view.height);
+    s.pass("id", [&] {
+      beginPass(s.id.framebuffer, view.width, view.height,
+                {.depth = gl::DepthTest::Greater, .depthWrite = true});
+      const std::array<GLuint, 4> none = {0, 0, 0, 0};
+      gl::api().ClearNamedFramebufferuiv(s.id.framebuffer.get(), GL_COLOR, 0, none.data());
+      clearDepth(s.id.framebuffer, 0.0f);
+      s.drawDepthList(s.visibleDraws(viewProjection(view, s.anchor)), &BatchPrograms::id, true, -1);
+    });
+    s.pass("mark", [&] { s.visible->add(s.id.ids); });
+  }
+  s.visible->finish();
+}
+
+void Engine::forward(const View& view, bool depthPrepass) {
+  State& s = *s_;
+  const auto guard = s.guard();
+  s.bindScene();
+  s.setViews({&view, 1});
+  s.picture.resize(view.width, view.height);
+  const DrawList list = s.visibleDraws(viewProjection(view, s.anchor));
+  gl::DrawState state{.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = true};
+  const bool prepass = depthPrepass && s.graph.find("depth-prepass") != nullptr;
+  if (prepass)
+    s.pass("depth-prepass", [&] {
+      beginPass(s.picture.framebuffer, view.width, view.height,
+                {.depth = gl::DepthTest::Greater, .depthWrite = true});
+      gl::api().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+      clearDepth(s.picture.framebuffer, 0.0f);
+      s.drawDepthList(list, &BatchPrograms::depthOnly, true, -1);
+    });
+  if (prepass) {
+    state.depth = gl::DepthTest::Equal;
+    state.depthWrite = false;
+  }
+  const glm::vec4 background(s.options.background, 0.0f);
+  if (s.graph.find("forward") == nullptr) {
+    beginPass(s.picture.framebuffer, view.width, view.height, state);
+    clearColor(s.picture.framebuffer, background);
+    clearDepth(s.picture.framebuffer, 0.0f);
+  }
+  s.pass("forward", [&] {
+    beginPass(s.picture.framebuffer, view.width, view.height, state);
+    clearColor(s.picture.framebuffer, background);
+    if (!prepass) clearDepth(s.picture.framebuffer, 0.0f);
+    s.useCommands(list);
+    s.counted([&] {
+      for (const DrawRange& range : list.ranges) {
+        const Batch& batch = s.draw.batches[range.batch];
+        const BatchPrograms& programs = s.batchPrograms[range.batch];
+        programs.forward->use();
+        s.buffers.bindMaterial(batch.material, programs.shading);
+        gl::applyCulling(!batch.doubleSided, range.mirrored);
+        s.drawRange(range);
+      }
+    });
+  });
+  s.drawTransparent(view, "forward-transparent", s.picture.depth);
+}
+
+void Engine::State::drawTransparent(const View& view, const char* passName, const gl::Texture& depth) {
+  if (!features.blend) return;
+  pass(passName, [&] {
+    const std::array<const gl::Texture*, 1> colors = {&picture.color};
+    const gl::Framebuffer own =
+        &depth == &picture.depth ? gl::Framebuffer() : gl::Framebuffer(colors, &depth);
+    beginPass(own ? own : picture.framebuffer, view.width, view.height,
+              {.depth = gl::DepthTest::GreaterEqual, .blend = true, .encodeSrgb = true});
+    gl::api().BindVertexArray(buffers.vertexArray.get());
+    gl::api().VertexArrayElementBuffer(buffers.vertexArray.get(), blendIndices.get());
+    const Frustum frustum = frustumOf(viewProjection(view, anchor));
+    // Far to near by the centre of the instance's box; within an instance by the centre of each triangle.
+    struct Item {
+      double distance;
+      std::size_t index;
+    };
+    std::vector<Item> items;
+    const auto worldBounds = instanceBounds(scene, draw.blended, now);
+    for (std::size_t i = 0; i < draw.blended.size(); ++i) {
+      Box box = worldBounds[i];
+      const double distance = glm::length(box.centre() - view.eye);
+      box.min -= anchor;
+      box.max -= anchor;
+      if (frustum.touches(box)) items.push_back({distance, i});
+    }
+    std::stable_sort(items.begin(), items.end(),
+                     [](const Item& a, const Item& b) { return a.distance > b.distance; });
+    std::vector<std::pair<float, std::uint32_t>> order;
+    std::vector<std::uint32_t> sorted;
+    for (const Item& item : items) {
+      const Instance& instance = draw.blended[item.index];
+      const Primitive& primitive = scene.primitives[instance.primitive];
+      const Material& material = scene.materials[primitive.material];
+      const glm::dmat4& world = now.world[instance.node];
+      const glm::vec3 eye(glm::inverse(world) * glm::dvec4(view.eye, 1.0));
+      const std::uint32_t* triangles = scene.indices.data() + primitive.firstIndex;
+      order.clear();
+      for (std::uint32_t t = 0; t < primitive.indexCount / 3; ++t) {
+        const glm::vec3 centre =
+            (scene.vertices.position[triangles[3 * t]] + scene.vertices.position[triangles[3 * t + 1]] +
+             scene.vertices.position[triangles[3 * t + 2]]) /
+            3.0f;
+        const glm::vec3 d = centre - eye;
+        order.emplace_back(-glm::dot(d, d), t);
+      }
+      std::stable_sort(order.begin(), order.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+      sorted.clear();
+      for (const auto& [distance, t] : order)
+        sorted.insert(sorted.end(), triangles + 3 * t, triangles + 3 * t + 3);
+      blendIndices.write(std::span<const std::uint32_t>(sorted));
+      const BlendedPrograms& chosen = blendedPrograms[item.index];
+      chosen.forward->use();
+      buffers.bindMaterial(primitive.material, chosen.shading);
+      gl::applyCulling(!material.doubleSided, mirrors(world));
+      gl::api().DrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(sorted.size()),
+                                                  GL_UNSIGNED_INT, nullptr, 1,
+                                                  static_cast<GLuint>(draw.instances.size() + item.index));
+    }
+    gl::api().VertexArrayElementBuffer(buffers.vertexArray.get(), buffers.indices.get());
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,64 @@
+// Which programs the plan needs.
+#include "engine/frame/engine_state.hpp"
+
+namespace tessera {
+
+namespace {
+
+gl::Defines definesOf(const Permutation& permutation, std::initializer_list<const char*> more = {}) {
+  gl::Defines defines;
+  for (const std::string& name : permutation.defines()) defines[name] = "1";
+  for (const char* name : more) defines[name] = "1";
+  return defines;
+}
+
+}  // namespace
+
+Result<void> Engine::State::compile() {
+  std::string error;
+  const auto get = [&](std::initializer_list<std::string> paths,
+                       const gl::Defines& defines) -> const gl::Program* {
+    auto program = programs.get(paths, defines);
+    if (program) return *program;
+    if (error.empty()) error = program.error().message;
+    return nullptr;
+  };
+  const auto has = [&](const char* name) { return graph.find(name) != nullptr; };
+  for (const Batch& batch : draw.batches) {
+    const Material& material = scene.materials[batch.material];
+    BatchPrograms p;
+    p.shading = permutationOf(material, batch.vertexColor, features);
+    p.depth = depthPermutationOf(material, batch.vertexColor);
+    if (has("forward")) p.forward = get({"pass/forward.vert", "pass/shade.frag"}, definesOf(p.shading));
+    if (has("gather")) {
+      // The alpha test belongs to visibility and display: gather shades the whole block, masked or not.
+      Permutation gather = p.shading;
+      gather.mask = false;
+      p.gather = get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
+      p.id = get({"pass/depth.vert", "pass/id.frag"}, definesOf(p.depth, {"WRITE_ID"}));
+    }
+    if (has("depth-prepass")) p.depthOnly = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth));
+    if (has("shadow"))
+      p.shadow = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth, {"SHADOW_LAYER"}));
+    if (has("display")) p.display = get({"pass/display.vert", "pass/display.frag"}, definesOf(p.depth));
+    batchPrograms.push_back(p);
+  }
+  if (features.blend)
+    for (const Instance& instance : draw.blended) {
+      const Primitive& primitive = scene.primitives[instance.primitive];
+      BlendedPrograms p;
+      p.shading = permutationOf(scene.materials[primitive.material], primitive.hasColor, features);
+      p.forward = get({"pass/forward.vert", "pass/shade.frag"}, definesOf(p.shading));
+      blendedPrograms.push_back(p);
+    }
+  if (has("display-deferred")) {
+    gl::Defines defines;
+    // The image is written as it is: a linear atlas must be encoded in the shader.
+    if (options.atlas.format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
+    deferred = get({"pass/display_deferred.comp"}, defines);
+  }
+  if (!error.empty()) return fail("{}", error);
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,79 @@
+#include "engine/gl/draw_state.hpp"
+
+#include "engine/gl/context.hpp"
+
+namespace tessera::gl {
+
+namespace {
+
+void enable(GLenum what, bool on) { (on ? api().Enable : api().Disable)(what); }
+
+GLenum functionOf(DepthTest test) {
+  switch (test) {
+    case DepthTest::Off:
+      return GL_ALWAYS;
+    case DepthTest::Greater:
+      return GL_GREATER;
+    case DepthTest::GreaterEqual:
+      return GL_GEQUAL;
+    case DepthTest::Equal:
+      return GL_EQUAL;
+    case DepthTest::Less:
+      return GL_LESS;
+  }
+  return GL_ALWAYS;
+}
+
+}  // namespace
+
+void apply(const DrawState& state) {
+  const GladGLContext& gl = api();
+  for (const GLenum off : {GL_SCISSOR_TEST,
+                           GL_STENCIL_TEST,
+                           GL_RASTERIZER_DISCARD,
+                           GL_DEPTH_CLAMP,
+                           GL_PRIMITIVE_RESTART,
+                           GL_PRIMITIVE_RESTART_FIXED_INDEX,
+                           GL_SAMPLE_ALPHA_TO_COVERAGE,
+                           GL_SAMPLE_ALPHA_TO_ONE,
+                           GL_SAMPLE_COVERAGE,
+                           GL_SAMPLE_MASK,
+                           GL_SAMPLE_SHADING,
+                           GL_COLOR_LOGIC_OP,
+                           GL_POLYGON_SMOOTH,
+                           GL_DITHER,
+                           GL_POLYGON_OFFSET_LINE,
+                           GL_POLYGON_OFFSET_POINT,
+                           GL_CLIP_DISTANCE0,
+                           GL_CLIP_DISTANCE1,
+                           GL_CLIP_DISTANCE2,
+                           GL_CLIP_DISTANCE3,
+                           GL_CLIP_DISTANCE4,
+                           GL_CLIP_DISTANCE5,
+                           GL_CLIP_DISTANCE6,
+                           GL_CLIP_DISTANCE7})
+    gl.Disable(off);
+  gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  gl.DepthRange(0.0, 1.0);
+  gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  gl.ProvokingVertex(GL_LAST_VERTEX_CONVENTION);
+  gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  enable(GL_DEPTH_TEST, state.depth != DepthTest::Off);
+  gl.DepthFunc(functionOf(state.depth));
+  gl.DepthMask(state.depthWrite ? GL_TRUE : GL_FALSE);
+  enable(GL_BLEND, state.blend);
+  gl.BlendEquation(GL_FUNC_ADD);
+  gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  enable(GL_FRAMEBUFFER_SRGB, state.encodeSrgb);
+  enable(GL_POLYGON_OFFSET_FILL, state.offsetFactor != 0.0f || state.offsetUnits != 0.0f);
+  gl.PolygonOffset(state.offsetFactor, state.offsetUnits);
+  applyCulling(state.cullBack, state.mirrored);
+}
+
+void applyCulling(bool cullBack, bool mirrored) {
+  enable(GL_CULL_FACE, cullBack);
+  api().CullFace(GL_BACK);
+  api().FrontFace(mirrored ? GL_CW : GL_CCW);
+}
+
+}  // namespace tessera::gl

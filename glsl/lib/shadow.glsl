@@ -1,0 +1,26 @@
+// Shadow maps: one depth layer for a directional or spot light, six for a point light.
+layout(binding = UNIT_SHADOW) uniform sampler2DArrayShadow uShadow;
+layout(std140, binding = BIND_SHADOWS) uniform Shadows { ShadowGpu shadows[kMaxShadowLayers]; };
+
+uint cubeFace(vec3 d) {
+  vec3 a = abs(d);
+  if (a.x >= a.y && a.x >= a.z) return d.x >= 0.0 ? 0u : 1u;
+  if (a.y >= a.z) return d.y >= 0.0 ? 2u : 3u;
+  return d.z >= 0.0 ? 4u : 5u;
+}
+
+// The share of the light that reaches the point: 0 in shadow, 1 lit. `n` is the geometric side of the surface.
+float lightReaching(uint index, vec3 position, vec3 n) {
+  uint layer = lights[index].shadowLayer;
+  vec3 toPoint = position - lights[index].position.xyz;
+  if (lights[index].type == kLightPoint) layer += cubeFace(toPoint);
+  vec4 texel = shadows[layer].texel;
+  float reach = texel.y > 0.0 ? length(toPoint) : 1.0;
+  // Moving the point off the surface by about a shadow texel keeps it clear of its own depth (normal offset).
+  vec3 p = position + n * (1.5 * texel.x * reach);
+  vec4 clip = shadows[layer].viewProjection * vec4(p, 1.0);
+  if (clip.w <= 0.0) return 1.0;
+  vec3 c = clip.xyz / clip.w;
+  if (abs(c.x) > 1.0 || abs(c.y) > 1.0 || c.z > 1.0) return 1.0;
+  return texture(uShadow, vec4(c.xy * 0.5 + 0.5, float(layer), c.z));
+}

@@ -1,0 +1,46 @@
+// The display stage: geometry of the visible set with its atlas coordinates, for any camera.
+#define STAGE_VERTEX
+#include "shared/bindings.h"
+#include "shared/scene.h"
+#include "shared/material.h"
+#include "shared/blocks.h"
+#include "lib/mask_vertex.glsl"
+
+layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu view; };
+#ifdef MASK
+layout(std430, binding = BIND_GATHER_VERTICES) readonly buffer GatherVertices { GatherVertex gatherVertices[]; };
+#ifdef BASE_TEX
+layout(std430, binding = BIND_UV0) readonly buffer Uv0 { vec2 uv0[]; };
+#ifdef USES_UV1
+layout(std430, binding = BIND_UV1) readonly buffer Uv1 { vec2 uv1[]; };
+#endif
+#endif
+#ifdef VERTEX_COLOR
+layout(std430, binding = BIND_COLORS) readonly buffer Colors { vec4 colors[]; };
+#endif
+#endif
+layout(location = LOCATION_SIZE) uniform vec2 uHalfTexelToUv;  // 0.5 / size of the atlas texture
+
+layout(location = 0) in vec3 aPosition;
+layout(location = 1) in uint aTexel;
+layout(location = 2) out vec2 vAtlas;
+
+invariant gl_Position;
+
+void main() {
+  gl_Position = view.viewProjection * vec4(aPosition, 1.0);
+  vAtlas = vec2(float(aTexel & 0xffffu), float(aTexel >> 16u)) * uHalfTexelToUv;
+#ifdef MASK
+  uint v = gatherVertices[gl_VertexID].vertex;
+#ifdef BASE_TEX
+#ifdef USES_UV1
+  writeMaskUv(uv0[v], uv1[v]);
+#else
+  writeMaskUv(uv0[v], uv0[v]);
+#endif
+#endif
+#ifdef VERTEX_COLOR
+  vMaskAlpha = colors[v].a;
+#endif
+#endif
+}

@@ -1,0 +1,35 @@
+// The display stage in its deferred form: for each pixel of the id buffer, where in its patch's block it is.
+#include "shared/bindings.h"
+#include "shared/scene.h"
+#include "shared/blocks.h"
+#include "shared/interpolate.h"
+#include "shared/tone.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = UNIT_ID) uniform usampler2D uIds;
+layout(binding = UNIT_ATLAS) uniform sampler2D uAtlas;
+layout(binding = 0) writeonly uniform image2D uColor;
+layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu view; };
+layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;
+// Columns: the ray through pixel (x, y) is c0 + x * c1 + y * c2, relative to the eye.
+layout(location = LOCATION_VIEW) uniform mat3 uPixelToRay;
+layout(location = LOCATION_BACKGROUND) uniform vec4 uBackground;
+
+#include "lib/entry_triangle.glsl"
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 size = textureSize(uIds, 0);
+  if (pixel.x >= size.x || pixel.y >= size.y) return;
+  uint id = texelFetch(uIds, pixel, 0).r;
+  if (id == 0u) {
+    imageStore(uColor, pixel, uBackground);
+    return;
+  }
+  vec2 texel = atlasTexel(id, uPixelToRay * vec3(1.0, vec2(pixel) + 0.5));
+  vec3 color = textureLod(uAtlas, texel * uTexelToUv, 0.0).rgb;
+#ifdef LINEAR_ATLAS
+  color = vec3(encodeSrgb(color.r), encodeSrgb(color.g), encodeSrgb(color.b));
+#endif
+  imageStore(uColor, pixel, vec4(color, 1.0));
+}

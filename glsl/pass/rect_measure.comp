@@ -1,0 +1,68 @@
+// Measures every visible patch, and sums up what memory it would ideally take (I and d of pressureBias).
+#include "shared/bindings.h"
+#include "shared/scene.h"
+#include "shared/levels.h"
+#include "shared/rect_memory.h"
+
+layout(local_size_x = RECT_GROUP) in;
+layout(std430, binding = BIND_POSITIONS) readonly buffer Positions { float positions[]; };
+layout(std430, binding = BIND_INSTANCES) readonly buffer Instances { InstanceGpu instances[]; };
+layout(std430, binding = BIND_PATCHES) readonly buffer Patches { PatchGeometry patches[]; };
+layout(std430, binding = BIND_PATCH_INSTANCE) readonly buffer PatchInstances { uint instanceOfPatch[]; };
+layout(std430, binding = BIND_VISIBLE) readonly buffer Visible { uint visibleCount; uint visibleIds[]; };
+layout(std430, binding = BIND_PATCH_MEASURE) writeonly buffer Measures { PatchMeasure measures[]; };
+layout(std430, binding = BIND_ATLAS_STATE) buffer AtlasStates { AtlasState atlas; };
+layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[RECT_VIEWS]; };
+layout(location = LOCATION_COUNT) uniform uint uViews;
+
+shared uint groupTexels;
+shared uint groupOnes;
+
+vec3 corner(InstanceGpu instance, uint vertex) {
+  return transformPoint(instance, vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
+}
+
+PatchMeasure seenFrom(vec4 eye, vec3 v0, vec3 v1, vec3 v2, vec3 v3, vec3 v4, uint triangles) {
+  vec3 at = eye.xyz;
+  return measurePatch(v0 - at, v1 - at, v2 - at, v3 - at, v4 - at, triangles, eye.w);
+}
+
+// A patch that several views see gets the largest area that any of them asks for, in that view's shape.
+PatchMeasure measureVisible(uint patchId) {
+  InstanceGpu instance = instances[instanceOfPatch[patchId]];
+  PatchGeometry geometry = patches[instance.patchOffset + patchId - instance.patchBase];
+  vec3 v0 = corner(instance, geometry.v0);
+  vec3 v1 = corner(instance, geometry.v1);
+  vec3 v2 = corner(instance, geometry.v2);
+  vec3 v3 = geometry.triangles > 1u ? corner(instance, geometry.v3) : v1;
+  vec3 v4 = geometry.triangles > 2u ? corner(instance, geometry.v4) : v0;
+  PatchMeasure best = seenFrom(views[0].eye, v0, v1, v2, v3, v4, geometry.triangles);
+  for (uint view = 1u; view < uViews; ++view) {
+    PatchMeasure seen = seenFrom(views[view].eye, v0, v1, v2, v3, v4, geometry.triangles);
+    if (seen.logArea > best.logArea) best = seen;
+  }
+  return best;
+}
+
+void main() {
+  if (gl_LocalInvocationIndex == 0u) {
+    groupTexels = 0u;
+    groupOnes = 0u;
+  }
+  barrier();
+  uint i = gl_GlobalInvocationID.x;
+  if (i < visibleCount) {
+    PatchMeasure measure = measureVisible(visibleIds[i]);
+    measures[i] = measure;
+    uint texels = idealTexels(measure, atlas.config.constantBias, atlas.config.superblockLog2);
+    // At most RECT_GROUP * 2^20 texels a group: no overflow.
+    atomicAdd(groupTexels, texels);
+    if (texels == 1u) atomicAdd(groupOnes, 1u);
+  }
+  barrier();
+  if (gl_LocalInvocationIndex == 0u && groupTexels > 0u) {
+    uint before = atomicAdd(atlas.idealLow, groupTexels);
+    if (before + groupTexels < before) atomicAdd(atlas.idealHigh, 1u);
+    atomicAdd(atlas.ones, groupOnes);
+  }
+}

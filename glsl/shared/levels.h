@@ -1,0 +1,188 @@
+// Level selection: how large the block of a patch should be. Based on Mueller 2021, sec. 3.5.
+// Lengths are pixels on a curved image plane (angle times pixels per radian), so they do not depend on where the camera
+// looks. Everything here is total: any float, NaN and infinity included, gives a valid level.
+#ifndef TESSERA_GLSL_SHARED_LEVELS_H
+#define TESSERA_GLSL_SHARED_LEVELS_H
+#include "shared/dialect.h"
+#ifdef __cplusplus
+#define SHARED_PRECISE
+#else
+#define SHARED_PRECISE precise
+#endif
+TESSERA_SHARED_BEGIN
+#ifdef __cplusplus
+using glm::abs;
+using glm::acos;
+using glm::atan;
+using glm::clamp;
+using glm::cross;
+using glm::dot;
+using glm::exp2;
+using glm::floor;
+using glm::length;
+using glm::log2;
+using glm::max;
+using glm::min;
+using glm::sqrt;
+inline uint floatBitsToUint(float value) { return std::bit_cast<uint>(value); }
+#endif
+
+SHARED_CONST uint kMaxBlockLog2 = 10u;       // the largest superblock is 1024 x 1024 texels
+SHARED_CONST uint kLevelTransposed = 256u;   // the block's width runs along the patch's y axis
+SHARED_CONST uint kLevelPending = 512u;      // the patch drew a slot and waits for its block (inside a frame only)
+SHARED_CONST uint kLevelSize = 255u;         // mask of w and h
+SHARED_CONST float kLevelHalf = 0.5;
+SHARED_CONST float kLevelOne = 1.0;
+SHARED_CONST float kLevelZero = 0.0;
+SHARED_CONST float kSmallestArea = 1.0e-30;  // pixels; what has no area counts as this
+SHARED_CONST float kLargestArea = 1.0e30;
+SHARED_CONST float kFarthestCorner = 1.0e9;  // distance from the eye up to which cross products stay finite
+SHARED_CONST float kLargestBias = 32.0;      // takes every patch to one texel
+
+// What the level of a patch is chosen from. 8 bytes, one a visible patch.
+struct PatchMeasure {
+  float logArea;    // log2 of the ideal block area in pixels, before any bias; in [-100, 100]
+  float logAspect;  // log2 of the patch's extent along x over that along y; in [-20, 20]
+};
+
+// Infinity and NaN by their bits: compilers may assume that comparisons never meet a NaN.
+SHARED_FN bool isFiniteNumber(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
+
+// The angle between two vectors in radians, 0 to pi. The cross product is taken with the difference, which is exact
+// for vectors that lie close together, so small angles keep all their digits. 0 where a vector is zero.
+SHARED_FN float angleBetween(vec3 a, vec3 b) {
+  float sine = length(cross(a, b - a));
+  float cosine = dot(a, b);
+  if (sine == kLevelZero && cosine == kLevelZero) return kLevelZero;
+  return atan(sine, cosine);
+}
+
+// The same as printed (Mueller 2021, eq. 3.1): loses all digits below some 3.5e-4 rad. For accuracy studies.
+SHARED_FN float angleByAcos(vec3 a, vec3 b) { return acos(dot(a, b) / (length(a) * length(b))); }
+
+// Area of a triangle from its edge lengths, Kahan's ordered form: full relative accuracy for needles. Lengths that
+// break the triangle inequality by rounding give 0.
+SHARED_FN float triangleArea(float x, float y, float z) {
+  float a = max(x, max(y, z));
+  float c = min(x, min(y, z));
+  float b = max(min(x, y), min(max(x, y), z));
+  SHARED_PRECISE float left = (a + (b + c)) * (a + (b - c));
+  SHARED_PRECISE float right = (c - (a - b)) * (c + (a - b));
+  return sqrt(left) * sqrt(max(right, kLevelZero)) / float(4);
+}
+
+// The same by Heron's formula as printed: cancels for needles. For accuracy studies.
+SHARED_FN float triangleAreaByHeron(float a, float b, float c) {
+  SHARED_PRECISE float s = (a + b + c) / float(2);
+  SHARED_PRECISE float square = s * (s - a) * (s - b) * (s - c);
+  return sqrt(max(square, kLevelZero));
+}
+
+SHARED_FN float safeLog2(float value) {
+  if (!isFiniteNumber(value)) return log2(kSmallestArea);
+  return log2(clamp(value, kSmallestArea, kLargestArea));
+}
+
+// Measures a patch from its corners relative to the eye, laid out as PatchGeometry says; `triangles` is 1 to 3. The
+// area is that of the whole block: a single fills half of its block, so its block has twice its area.
+// The aspect compares the longest of the edges that run along x in the block with the longest along y. A patch with a
+// corner that is not finite or farther than kFarthestCorner has no area.
+SHARED_FN PatchMeasure measurePatch(vec3 v0, vec3 v1, vec3 v2, vec3 v3, vec3 v4, uint triangles,
+                                    float pixelsPerRadian) {
+  float e01 = angleBetween(v0, v1);
+  float e12 = angleBetween(v1, v2);
+  float e02 = angleBetween(v0, v2);
+  float first = triangleArea(e01, e12, e02);
+  float area = first + first;
+  float x = e01;
+  float y = e12;
+  if (triangles > 1u) {
+    float e23 = angleBetween(v2, v3);
+    float e03 = angleBetween(v0, v3);
+    area = first + triangleArea(e02, e23, e03);
+    if (triangles > 2u) {
+      float e34 = angleBetween(v3, v4);
+      float e04 = angleBetween(v0, v4);
+      area += triangleArea(e03, e34, e04);
+      x = max(e01 + e04, e23);
+      y = max(e12, e34);
+    } else {
+      x = max(e01, e23);
+      y = max(e12, e03);
+    }
+  }
+  PatchMeasure measure;
+  float reach = dot(abs(v0) + abs(v1) + abs(v2) + abs(v3) + abs(v4), vec3(kLevelOne));
+  if (!isFiniteNumber(reach) || reach > kFarthestCorner) area = kLevelZero;
+  measure.logArea = safeLog2(area * pixelsPerRadian * pixelsPerRadian);
+  float aspect = safeLog2(x) - safeLog2(y);
+  // A side without length says nothing about the shape of a block; that of a patch without area does not matter.
+  measure.logAspect = clamp(aspect, -float(2u * kMaxBlockLog2), float(2u * kMaxBlockLog2));
+  return measure;
+}
+
+// A level: the block is 2^w x 2^h texels, w >= h. Bits 0-3 w, bits 4-7 h, then flags.
+SHARED_FN uint packLevel(uint w, uint h, bool transposed) {
+  return w | (h << 4u) | (transposed && w != h ? kLevelTransposed : 0u);
+}
+SHARED_FN uint levelWidth(uint level) { return level & 15u; }
+SHARED_FN uint levelHeight(uint level) { return (level >> 4u) & 15u; }
+SHARED_FN bool levelTransposed(uint level) { return (level & kLevelTransposed) != 0u; }
+SHARED_FN uint levelTexels(uint level) { return 1u << (levelWidth(level) + levelHeight(level)); }
+
+// The largest |w - h| that levels of log2 area `area` can have when no side passes 2^maxLog2.
+SHARED_FN int widestAspect(int area, int maxLog2) { return min(area, 2 * maxLog2 - area); }
+
+// The level nearest to a measure under a bias: log2 area minus bias rounded, then log2 aspect rounded to the same
+// parity, both within blocks of 1 to 2^maxLog2 texels a side (Mueller 2021, eq. 3.2). `previous` is kept while the
+// ideal lies within half a step plus `hysteresis` (in log2 of area, and of aspect) of it; pass hysteresis < 0 for none.
+SHARED_FN uint selectLevel(PatchMeasure measure, float bias, uint maxLog2, uint previous, float hysteresis) {
+  int maximum = int(maxLog2);
+  float wanted = measure.logArea - bias;
+  float aspect = measure.logAspect;
+  if (!isFiniteNumber(wanted) || !isFiniteNumber(aspect)) return 0u;
+  float idealArea = clamp(wanted, kLevelZero, float(2 * maximum));
+  if (hysteresis >= kLevelZero) {
+    int w = int(levelWidth(previous));
+    int h = int(levelHeight(previous));
+    int spread = levelTransposed(previous) ? h - w : w - h;
+    float limit = float(widestAspect(w + h, maximum));
+    // Aspects of one parity lie two apart, so half a step is 1.
+    if (w <= maximum && abs(idealArea - float(w + h)) <= kLevelHalf + hysteresis &&
+        abs(clamp(aspect, -limit, limit) - float(spread)) <= kLevelOne + hysteresis)
+      return previous & (kLevelSize | kLevelTransposed);
+  }
+  int area = int(floor(idealArea + kLevelHalf));
+  int widest = widestAspect(area, maximum);
+  float idealAspect = clamp(aspect, -float(widest), float(widest));
+  // widest has the parity of area, so rounding to that parity cannot leave the range.
+  int spread = area + 2 * int(floor((idealAspect - float(area)) / float(2) + kLevelHalf));
+  int wide = abs(spread);
+  return packLevel(uint(area + wide) / 2u, uint(area - wide) / 2u, spread < 0);
+}
+
+// The ideal block area of a patch in whole texels, clamped to the smallest and the largest block: its share of I.
+SHARED_FN uint idealTexels(PatchMeasure measure, float bias, uint maxLog2) {
+  float wanted = measure.logArea - bias;
+  if (!isFiniteNumber(wanted)) return 1u;
+  // Rounded in log2 like the level, a patch below this becomes one texel.
+  if (wanted < kLevelHalf) return 1u;
+  return uint(exp2(min(wanted, float(2u * maxLog2))) + kLevelHalf);
+}
+
+// b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least 0: room to spare does not make blocks larger than
+// ideal. I = idealHigh * 2^32 + idealLow texels, d = `ones` patches of one texel, S = `target` texels.
+SHARED_FN float pressureBias(uint idealLow, uint idealHigh, uint ones, float target) {
+  if (idealHigh == 0u && idealLow <= ones) return kLevelZero;
+  uint high = idealHigh - (idealLow < ones ? 1u : 0u);
+  float scalable = float(high) * float(65536) * float(65536) + float(idealLow - ones);
+  float room = target - float(ones);
+  if (!isFiniteNumber(room) || room < kLevelOne) return kLargestBias;
+  return clamp(log2(scalable / room), kLevelZero, kLargestBias);
+}
+
+TESSERA_SHARED_END
+#ifdef __cplusplus
+static_assert(sizeof(tessera::glsl::PatchMeasure) == 8);
+#endif
+#endif

@@ -1,0 +1,98 @@
+#!/usr/bin/env bash
+# One command for each thing a newcomer wants. Every command does all the set-up it needs on a fresh Debian 12.
+#   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
+#   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
+#   ./run.sh build             set up and build
+#   ./run.sh tessera ARGS...   run the program
+#   ./run.sh check             clang-format and clang-tidy
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+cd "$root"
+build=build/release
+
+packages=(
+  g++ cmake ninja-build ccache git python3 python3-glad
+  libosmesa6-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers
+  libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
+  libglfw3-dev libgtest-dev glslang-tools
+)
+
+step=""
+say() { step=$1; printf '==> %s\n' "$1" >&2; }
+trap 'status=$?; [ $status -eq 0 ] || printf "run.sh: failed at: %s\n%s\n" "$step" "${hint:-see the lines above}" >&2' EXIT
+
+as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
+
+install_packages() {
+  local missing=() package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  say "installing ${#missing[@]} packages: ${missing[*]}"
+  hint="install them by hand: apt-get install ${missing[*]}"
+  if [ "$(id -u)" -ne 0 ] && ! command -v sudo >/dev/null; then
+    hint="not root and no sudo: as root, run: apt-get install ${missing[*]}"
+    return 1
+  fi
+  as_root apt-get update -qq
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  hint=""
+}
+
+build_all() {
+  install_packages "${packages[@]}"
+  if [ ! -f "$build/build.ninja" ]; then
+    say "configuring"
+    hint="delete $build and try again"
+    cmake --preset release >"/tmp/tessera-configure.$$" 2>&1 || { cat "/tmp/tessera-configure.$$" >&2; return 1; }
+    rm -f "/tmp/tessera-configure.$$"
+  fi
+  say "building"
+  hint="the first error above is the one to look at"
+  # ninja prints counted steps, and rewrites one line on a terminal.
+  cmake --build --preset release >&2
+  hint=""
+}
+
+command=${1:-help}
+[ $# -gt 0 ] && shift
+case "$command" in
+  build)
+    build_all
+    ;;
+  test)
+    build_all
+    say "running the tests"
+    hint="run one again with: ctest --test-dir $build -R NAME --output-on-failure"
+    ctest --test-dir "$build" --output-on-failure --no-tests=error "$@"
+    ;;
+  demo)
+    build_all
+    say "comparing the methods on assets/atrium.glb"
+    "$build/apps/tessera/tessera" compare assets/atrium.glb -o out/demo --frames 6 "$@"
+    ;;
+  tessera)
+    build_all 2>"/tmp/tessera-build.$$" >&2 || { cat "/tmp/tessera-build.$$" >&2; exit 1; }
+    rm -f "/tmp/tessera-build.$$"
+    trap - EXIT
+    exec "$build/apps/tessera/tessera" "$@"
+    ;;
+  check)
+    install_packages "${packages[@]}" clang-format clang-tidy
+    build_all
+    say "clang-format"
+    hint="clang-format -i FILE"
+    git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run --Werror
+    say "clang-tidy"
+    git ls-files 'engine/*.cpp' 'atlas/*.cpp' 'apps/*.cpp' | xargs -P 2 -n 4 clang-tidy -p "$build" --quiet
+    ;;
+  help | -h | --help)
+    sed -n '2,8p' "$root/run.sh" | sed 's/^# \{0,1\}//'
+    ;;
+  *)
+    hint="./run.sh help lists the commands"
+    step="unknown command '$command'"
+    exit 2
+    ;;
+esac

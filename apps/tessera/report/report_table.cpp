@@ -89,6 +89,7 @@ std::vector<Row> passRows(const ReportScene& scene) {
     for (const ReportPass& pass : method.passes)
       if (std::find(names.begin(), names.end(), pass.name) == names.end()) names.push_back(pass.name);
   std::vector<Row> rows;
+  rows.reserve(names.size());
   for (const std::string& name : names)
     rows.push_back({escapeHtml(name), "", [name](const ReportMethod& m) -> std::string {
                       for (const ReportPass& pass : m.passes)
@@ -191,8 +192,9 @@ std::string summaryTable(const Report& report) {
     for (const ReportMethod& m : scene.methods) {
       out += "<tr>";
       if (&m == scene.methods.data())
-        out += fmt::format("<th scope=\"rowgroup\" rowspan=\"{}\"><a href=\"#scene-{}\">{}</a></th>",
-                           scene.methods.size(), s, escapeHtml(scene.file));
+        out += fmt::format(
+            "<th scope=\"rowgroup\" rowspan=\"{0}\" title=\"{2}\"><a href=\"#scene-{1}\">{2}</a></th>",
+            scene.methods.size(), s, escapeHtml(scene.file));
       out += fmt::format(
           "<th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
           "<td>{}</td></tr>\n",

@@ -224,7 +224,7 @@ TEST(Atrium, FanAndLampMove) {
   EXPECT_NEAR(at(2.0).world[lamp][3].x, 0.0, 1e-6);
   EXPECT_NEAR(at(4.0).world[lamp][3].x, 4.8, 1e-6);
   EXPECT_NEAR(at(6.0).world[lamp][3].x, 0.0, 1e-6);
-  // A quarter of the way through the first second pair: h00, h01 at 1/2 and the end speed of 3.2 m/s.
+  // Halfway through the first two seconds: h01 = 1/2, and h11 = -1/8 of the speed of 3.2 m/s over 2 s.
   EXPECT_NEAR(at(1.0).world[lamp][3].x, 0.5 * -4.8 - 2.0 * 0.125 * 3.2, 1e-6);
   const std::vector<LightSample> lights = evaluateLights(*scene, at(4.0), nullptr, 4.0);
   const auto moving = std::ranges::find_if(lights, &LightSample::moves);

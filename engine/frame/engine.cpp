@@ -77,7 +77,10 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.viewBuffer = gl::Buffer(kMaxViews * sizeof(glsl::ViewGpu));
   s.drawCommands = gl::Buffer(std::max<std::size_t>(s.draw.instances.size(), 1) * sizeof(glsl::DrawCommand));
   if (options.timePasses) s.timer.emplace(gl::timerModeFor(context.info()));
-  if (options.countFragments) s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+  if (options.countFragments) {
+    s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+    s.passedQuery = gl::Query(GL_SAMPLES_PASSED);
+  }
 
   say("compiling shaders");
   if (auto compiled = s.compile(); !compiled) return tl::unexpected(compiled.error());
@@ -159,7 +162,12 @@ void Engine::update(double time) {
   }
   if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
   if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
-  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient : Ambient{};
+  // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
+  constexpr float kAmbientAlone = 0.8f;
+  const Ambient unlitScene{glm::vec3(kAmbientAlone), glm::vec3(kAmbientAlone)};
+  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient
+                          : s.features.lights                ? Ambient{}
+                                                             : unlitScene;
   glsl::FrameGpu frame{};
   frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
   frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
@@ -226,6 +234,7 @@ const std::vector<PassTime>& Engine::times() const { return s_->times; }
 void Engine::clearTimes() { s_->times.clear(); }
 gl::TimerMode Engine::timerMode() const { return gl::timerModeFor(s_->context->info()); }
 std::uint64_t Engine::fragments() const { return s_->fragments; }
+std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 
 std::uint64_t Engine::visibleTriangles() const {
   std::uint64_t triangles = 0;

@@ -37,9 +37,12 @@
 
 #define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
 
+#define BIND_STORAGE_COUNT 25   // of the above
+
 // Uniform buffers
 #define BIND_VIEWS 0
 #define BIND_FRAME 1
+#define BIND_UNIFORM_COUNT 2
 
 // Texture units
 #define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu
@@ -47,6 +50,7 @@
 #define UNIT_ATLAS 6
 #define UNIT_ID 7
 #define UNIT_DEPTH 8
+#define UNIT_COUNT 9
 
 // Uniform locations
 #define LOCATION_MATERIAL 0

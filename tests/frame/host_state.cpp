@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <utility>
 
+#include <EGL/egl.h>
+#include <GL/osmesa.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -166,6 +168,11 @@ GLuint link(const GladGLContext& gl, bool separable) {
 }
 
 }  // namespace
+
+gl::GetProc procLoader(gl::Backend backend) {
+  if (backend == gl::Backend::Egl) return &eglGetProcAddress;
+  return &OSMesaGetProcAddress;
+}
 
 HostState readHostState(const GladGLContext& gl) {
   HostState state;

@@ -9,7 +9,12 @@
 
 #include <glad/gl.h>
 
+#include "engine/gl/context.hpp"
+
 namespace tessera::test {
+
+/// The loader that a host on this backend has at hand.
+gl::GetProc procLoader(gl::Backend backend);
 
 /// "TEXTURE_BINDING_2D[unit 3]" to its values.
 using HostState = std::map<std::string, std::vector<double>>;

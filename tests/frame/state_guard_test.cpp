@@ -9,9 +9,6 @@
 #include <string>
 #include <vector>
 
-#include <EGL/egl.h>
-#include <GL/osmesa.h>
-
 #include "engine/frame/engine.hpp"
 #include "engine/gl/program.hpp"
 #include "glsl/shared/bindings.h"
@@ -34,8 +31,7 @@ class HostedEngine : public test::GlTest {
     auto host = egl ? gl::Context::createEgl({.debug = true}) : gl::Context::createOsMesa({.debug = true});
     ASSERT_TRUE(host) << host.error().message;
     host_ = std::move(*host);
-    auto adopted = gl::Context::adoptCurrent(egl ? static_cast<gl::GetProc>(&eglGetProcAddress)
-                                                 : static_cast<gl::GetProc>(&OSMesaGetProcAddress));
+    auto adopted = gl::Context::adoptCurrent(test::procLoader(host_->info().backend));
     ASSERT_TRUE(adopted) << adopted.error().message;
     adopted_ = std::move(*adopted);
   }
@@ -200,8 +196,6 @@ std::pair<int, std::size_t> compare(const Image& a, const Image& b) {
   }
   return {largest, differing};
 }
-
-using HostedAtlas = HostedEngine;
 
 void expectUntouchedAndEqual(gl::Context& context, AtlasFormat format) {
   const GladGLContext& gl = gl::api();

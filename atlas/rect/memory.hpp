@@ -74,7 +74,7 @@ class RectMemory {
   /// Live blocks are those that patch states hold, visible or not.
   [[nodiscard]] MemorySnapshot readSnapshot() const;
 
-  [[nodiscard]] const gl::Buffer& stateBuffer() const { return state_; }
+  [[nodiscard]] gl::Buffer& stateBuffer() { return state_; }
   [[nodiscard]] const gl::Buffer& patchStates() const { return patches_; }
   [[nodiscard]] gl::Buffer& measures() { return measures_; }
 

@@ -45,7 +45,6 @@ void Engine::shade(const View& view) {
       for (std::uint32_t b = 0; b < s.draw.batches.size(); ++b) {
         const BatchPrograms& programs = s.batchPrograms[b];
         programs.gather->use();
-        programs.gather->set(LOCATION_MATERIAL, s.draw.batches[b].material);
         setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
         s.atlas->drawBatch(b);
@@ -114,7 +113,6 @@ void Engine::display(const View& view, DisplayMode mode) {
       programs.display->use();
       setVec2(*programs.display, LOCATION_SIZE, halfX, halfY);
       if (batch.mask) {
-        programs.display->set(LOCATION_MATERIAL, batch.material);
         s.buffers.bindMaterial(batch.material, programs.depth);
       }
       // Entries are counter-clockwise in the world, mirrored or not (see rect_emit.comp).

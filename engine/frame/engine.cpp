@@ -22,6 +22,22 @@ void completeAttributes(Scene& scene, const SceneFeatures& features) {
   }
 }
 
+/// More lights or shadow layers than a uniform block holds are refused, not dropped.
+Result<void> checkLights(const Scene& scene, const Stage* stage) {
+  SceneState state;
+  evaluate(scene, 0.0, state);
+  const auto lights = evaluateLights(scene, state, stage, 0.0);
+  std::size_t layers = 0;
+  for (const LightSample& light : lights)
+    if (light.castsShadow) layers += light.type == LightType::Point ? 6 : 1;
+  if (lights.size() > glsl::kMaxLights)
+    return fail("{}: {} lights are past the limit of {}", scene.file, lights.size(), glsl::kMaxLights);
+  if (layers > glsl::kMaxShadowLayers)
+    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}", scene.file, layers,
+                glsl::kMaxShadowLayers);
+  return {};
+}
+
 }  // namespace
 
 Engine::Engine() = default;
@@ -44,6 +60,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
+  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits) return tl::unexpected(fits.error());
   say("splitting long edges");
   // SUB if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
   s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);
@@ -86,8 +103,8 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
 
 void Engine::State::bindScene() {
   buffers.bind();
-  if (lightBuffer) lightBuffer.bindStorage(BIND_LIGHTS);
-  if (shadowBuffer) shadowBuffer.bindStorage(BIND_SHADOWS);
+  if (lightBuffer) lightBuffer.bindUniform(BIND_LIGHTS);
+  if (shadowBuffer) shadowBuffer.bindUniform(BIND_SHADOWS);
   frameBuffer.bindUniform(BIND_FRAME);
   viewBuffer.bindUniform(BIND_VIEWS);
   if (shadowMap) shadowMap.bind(UNIT_SHADOW);
@@ -122,8 +139,8 @@ void Engine::update(double time) {
     s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor,
                            s.options.shadowSize);
   if (first) {
-    s.lightBuffer = gl::Buffer(s.lights.lights);
-    s.shadowBuffer = gl::Buffer(s.lights.shadows);
+    if (s.features.lights) s.lightBuffer = gl::Buffer(glsl::kMaxLights * sizeof(glsl::LightGpu));
+    if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
     if (s.features.shadows) {
       const int size = s.options.shadowSize;
       s.shadowMap =
@@ -136,10 +153,9 @@ void Engine::update(double time) {
         s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
                                           static_cast<int>(i));
     }
-  } else {
-    s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
-    s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
   }
+  if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
+  if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
   const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient : Ambient{};
   glsl::FrameGpu frame{};
   frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);

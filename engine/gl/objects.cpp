@@ -195,8 +195,9 @@ void VertexArray::attribute(GLuint location, const Buffer& buffer, GLint compone
 void VertexArray::indices(const Buffer& buffer) { api().VertexArrayElementBuffer(name_.get(), buffer.get()); }
 
 Query::Query(GLenum target) : target_(target) {
+  // Not glCreateQueries: Mesa 22.3 refuses pipeline-statistics targets there on a 4.5 context.
   GLuint name = 0;
-  api().CreateQueries(target, 1, &name);
+  api().GenQueries(1, &name);
   name_ = Name<&deleteQuery>(name);
 }
 void Query::begin() const { api().BeginQuery(target_, name_.get()); }

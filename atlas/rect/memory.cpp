@@ -19,21 +19,22 @@ Result<void> checkRange(const char* name, float value, float low, float high) {
 
 Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint32_t patchInstances) {
   if (options.superblockLog2 < 1 || options.superblockLog2 > static_cast<int>(glsl::kMaxBlockLog2))
-    return fail("atlas memory: superblocks of 2^{} texels a side are not in [2^1, 2^{}]", options.superblockLog2,
-                glsl::kMaxBlockLog2);
+    return fail("atlas memory: superblocks of 2^{} texels a side are not in [2^1, 2^{}]",
+                options.superblockLog2, glsl::kMaxBlockLog2);
   const int size = 1 << options.superblockLog2;
   for (const int side : {options.width, options.height})
     if (side < size || side > 16384 || side % size != 0)
-      return fail("atlas memory: a side of {} texels is not a multiple of the superblock's {} up to 16384", side, size);
+      return fail("atlas memory: a side of {} texels is not a multiple of the superblock's {} up to 16384",
+                  side, size);
   // A group count a dimension is at most 65535.
   if (patchInstances > 65535u * RECT_GROUP)
     return fail("atlas memory: {} patch instances are more than {}", patchInstances, 65535u * RECT_GROUP);
-  for (const auto& checked :
-       {checkRange("bias", options.bias, -16.0f, 16.0f), checkRange("targetShare", options.targetShare, 1e-6f, 1.0f),
-        checkRange("targetCut", options.targetCut, 1e-6f, 1.0f),
-        checkRange("targetGrowth", options.targetGrowth, 1.0f, 2.0f),
-        checkRange("highWater", options.highWater, 1e-6f, 1.0f),
-        checkRange("hysteresis", options.hysteresis, -1.0f, 2.0f)})
+  for (const auto& checked : {checkRange("bias", options.bias, -16.0f, 16.0f),
+                              checkRange("targetShare", options.targetShare, 1e-6f, 1.0f),
+                              checkRange("targetCut", options.targetCut, 1e-6f, 1.0f),
+                              checkRange("targetGrowth", options.targetGrowth, 1.0f, 2.0f),
+                              checkRange("highWater", options.highWater, 1e-6f, 1.0f),
+                              checkRange("hysteresis", options.hysteresis, -1.0f, 2.0f)})
     if (!checked) return tl::unexpected(checked.error());
 
   glsl::AtlasConfig config{};
@@ -96,8 +97,10 @@ Result<RectMemory> RectMemory::create(gl::ProgramCache& programs, const RectMemo
   gl::api().GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
   const std::uint64_t stackBytes = entries * sizeof(glsl::uint);
   if (stackBytes > static_cast<std::uint64_t>(largest))
-    return fail("atlas memory: stacks of {} bytes for {} x {} texels and {} patches are past this context's limit of {}",
-                stackBytes, options.width, options.height, patchInstances, largest);
+    return fail(
+        "atlas memory: stacks of {} bytes for {} x {} texels and {} patches are past this context's limit of "
+        "{}",
+        stackBytes, options.width, options.height, patchInstances, largest);
   const struct {
     const gl::Program** program;
     const char* path;
@@ -188,11 +191,12 @@ RectStatistics RectMemory::readStatistics() const {
   statistics.frames = state.frames;
   for (glsl::uint w = 1; w <= config_.superblockLog2; ++w)
     for (glsl::uint h = 0; h <= w; ++h)
-      statistics.stackTexels += static_cast<std::uint64_t>(state.levels[glsl::levelIndex(w, h)].stackCount) << (w + h);
+      statistics.stackTexels += static_cast<std::uint64_t>(state.levels[glsl::levelIndex(w, h)].stackCount)
+                                << (w + h);
   statistics.freeSuperblocks = config_.superblocks - state.superblocksUsed;
   statistics.load = static_cast<float>(state.cutTexels) /
                     (static_cast<float>(config_.width) * static_cast<float>(config_.height));
-  statistics.bias = state.bias;
+  statistics.bias = state.config.constantBias + state.pressureBias;
   statistics.target = state.target;
   return statistics;
 }
@@ -218,7 +222,8 @@ MemorySnapshot RectMemory::readSnapshot() const {
     if (state.widths[w].carrySuperblock != glsl::kNoSuperblock)
       snapshot.carried.push_back({w, state.widths[w].carrySuperblock, state.widths[w].carryOffset});
   }
-  for (glsl::uint i = state.superblocksUsed; i < config_.superblocks; ++i) snapshot.freeSuperblocks.push_back(i);
+  for (glsl::uint i = state.superblocksUsed; i < config_.superblocks; ++i)
+    snapshot.freeSuperblocks.push_back(i);
   return snapshot;
 }
 

@@ -1,5 +1,5 @@
-// Memory of the rectangular atlas on the GPU: which block each visible patch has. Based on Mueller 2021, sec. 3.4
-// and 3.5. All state lives in GPU buffers; a frame reads nothing back.
+// Memory of the rectangular atlas on the GPU: which block each visible patch has. Based on Mueller 2021,
+// sec. 3.4 and 3.5. All state lives in GPU buffers; a frame reads nothing back.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,14 @@
 namespace tessera {
 
 struct RectMemoryOptions {
-  int width = 4096;           // texels; a multiple of the superblock, at most 16384
-  int height = 2048;          // texels; a multiple of the superblock; record rows come on top
-  int superblockLog2 = 8;     // [1, 10]; also the largest block. 8: see the measurement in memory.cpp
-  float bias = 0.0f;          // [-16, 16]; log2 of area taken off every block: 1 halves the texels, -2 quadruples them
-  bool pressureBias = true;   // raise the bias when the visible set asks for more than the target S
-  float targetShare = 0.75f;  // (0, 1]; S as a share of the atlas: where it starts, and its upper bound
-  float targetCut = 0.85f;    // (0, 1); factor on S when memory ran out or passed the high-water mark
+  int width = 4096;        // texels; a multiple of the superblock, at most 16384
+  int height = 2048;       // texels; a multiple of the superblock; record rows come on top
+  int superblockLog2 = 8;  // [1, 10]; also the largest block. 8: see the measurement in memory.cpp
+  float bias =
+      0.0f;  // [-16, 16]; log2 of area taken off every block: 1 halves the texels, -2 quadruples them
+  bool pressureBias = true;     // raise the bias when the visible set asks for more than the target S
+  float targetShare = 0.75f;    // (0, 1]; S as a share of the atlas: where it starts, and its upper bound
+  float targetCut = 0.85f;      // (0, 1); factor on S when memory ran out or passed the high-water mark
   float targetGrowth = 1.002f;  // [1, 2]; factor on S in a frame without such an event
   float highWater = 0.9f;       // (0, 1]; share of the atlas cut into blocks beyond which memory is reset
   float hysteresis = 0.15f;     // [0, 2] in log2 of area and of aspect beyond half a step; negative for none
@@ -42,14 +43,14 @@ struct RectStatistics {
 class RectMemory {
  public:
   RectMemory() = default;
-  /// All memory that will ever be used is allocated here. Fails when a size is out of range or the stacks are larger
-  /// than this context's storage blocks.
+  /// All memory that will ever be used is allocated here. Fails when a size is out of range or the stacks are
+  /// larger than this context's storage blocks.
   static Result<RectMemory> create(gl::ProgramCache& programs, const RectMemoryOptions& options,
                                    std::uint32_t patchInstances);
 
-  // Both calls read BIND_VISIBLE, BIND_VISIBLE_MARK and, for measure, the scene's buffers and BIND_VIEWS, which the
-  // caller has bound. `dispatch` holds the groups of RECT_GROUP over the visible list as uvec3 at offset 0.
-  // `frame` is the value that the marks of visible patches have.
+  // Both calls read BIND_VISIBLE, BIND_VISIBLE_MARK and, for measure, the scene's buffers and BIND_VIEWS,
+  // which the caller has bound. `dispatch` holds the groups of RECT_GROUP over the visible list as uvec3 at
+  // offset 0. `frame` is the value that the marks of visible patches have.
 
   /// The ideal size of every visible patch, over `viewCount` views, 1 to RECT_VIEWS.
   void measure(const gl::Buffer& dispatch, std::uint32_t frame, std::uint32_t viewCount);

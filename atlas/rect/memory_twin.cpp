@@ -17,8 +17,8 @@ class Painter {
 
   Result<void> paint(const AtlasBlock& block, Paint what) {
     if (block.x + (1u << block.w) > snapshot_.width || block.y + (1u << block.h) > snapshot_.height)
-      return fail("{} at ({}, {}) of 2^{} x 2^{} texels leaves the atlas", kPaintNames[what], block.x, block.y, block.w,
-                  block.h);
+      return fail("{} at ({}, {}) of 2^{} x 2^{} texels leaves the atlas", kPaintNames[what], block.x,
+                  block.y, block.w, block.h);
     for (std::uint32_t y = block.y; y < block.y + (1u << block.h); ++y)
       for (std::uint32_t x = block.x; x < block.x + (1u << block.w); ++x) {
         std::uint8_t& texel = texels_[std::size_t{y} * snapshot_.width + x];
@@ -52,7 +52,8 @@ Result<void> checkPartition(const MemorySnapshot& snapshot) {
   for (const AtlasBlock& block : snapshot.stacked)
     if (auto painted = painter.paint(block, kStacked); !painted) return painted;
   for (const std::uint32_t free : snapshot.freeSuperblocks)
-    if (auto painted = painter.paint({(free % across) << log2, (free / across) << log2, log2, log2}, kFree); !painted)
+    if (auto painted = painter.paint({(free % across) << log2, (free / across) << log2, log2, log2}, kFree);
+        !painted)
       return painted;
   for (const MemorySnapshot::Carry& carry : snapshot.carried) {
     const std::uint32_t perColumn = 1u << (log2 - carry.w);
@@ -65,7 +66,8 @@ Result<void> checkPartition(const MemorySnapshot& snapshot) {
   return painter.full();
 }
 
-MemoryTwin::MemoryTwin(std::uint32_t width, std::uint32_t height, std::uint32_t superblockLog2, std::uint32_t patches)
+MemoryTwin::MemoryTwin(std::uint32_t width, std::uint32_t height, std::uint32_t superblockLog2,
+                       std::uint32_t patches)
     : width_(width), height_(height), superblockLog2_(superblockLog2), blocks_(patches) {
   reset();
 }
@@ -90,7 +92,8 @@ std::uint32_t MemoryTwin::blocksPerSuperblock(std::uint32_t w, std::uint32_t h) 
   return (1u << (superblockLog2_ - w)) * (1u << (superblockLog2_ - h));
 }
 
-AtlasBlock MemoryTwin::place(std::uint32_t superblock, std::uint32_t index, std::uint32_t w, std::uint32_t h) const {
+AtlasBlock MemoryTwin::place(std::uint32_t superblock, std::uint32_t index, std::uint32_t w,
+                             std::uint32_t h) const {
   const std::uint32_t size = 1u << superblockLog2_;
   const std::uint32_t across = width_ / size;
   const std::uint32_t inColumn = size >> h;
@@ -130,8 +133,8 @@ void MemoryTwin::provision() {
     const auto square = static_cast<std::int64_t>(blocksPerSuperblock(w, w));
     const auto need = [&](std::uint32_t h) {
       const Level& level = levels_[w][h];
-      return std::max<std::int64_t>(0, static_cast<std::int64_t>(level.requested) -
-                                           static_cast<std::int64_t>(level.stack.size()));
+      return std::max<std::int64_t>(
+          0, static_cast<std::int64_t>(level.requested) - static_cast<std::int64_t>(level.stack.size()));
     };
     std::int64_t rows = (static_cast<std::int64_t>(column.carryOffset) - square) * (1 << w);
     for (std::uint32_t h = 0; h <= w; ++h) rows += need(h) * (1 << h);
@@ -161,7 +164,8 @@ void MemoryTwin::provision() {
       levels_[w][h].stack.push_back(place(*column.list.back(), index, w, h));
     }
     offset = (offset + 1) / 2;
-    column.carryOffset = static_cast<std::uint32_t>(offset - static_cast<std::int64_t>(column.list.size() - 1) * square);
+    column.carryOffset =
+        static_cast<std::uint32_t>(offset - static_cast<std::int64_t>(column.list.size() - 1) * square);
     column.carrySuperblock = column.list.back();
   }
 }

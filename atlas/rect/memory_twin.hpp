@@ -36,8 +36,9 @@ struct MemorySnapshot {
   std::vector<std::uint32_t> freeSuperblocks;
 };
 
-/// Paints every texel and fails, naming the first texel that is wrong, unless each one is in exactly one of: a live
-/// block, a stacked block, the unused rest of a carried-over superblock, a free superblock. So no two overlap.
+/// Paints every texel and fails, naming the first texel that is wrong, unless each one is in exactly one of:
+/// a live block, a stacked block, the unused rest of a carried-over superblock, a free superblock. So no two
+/// overlap.
 Result<void> checkPartition(const MemorySnapshot& snapshot);
 
 class MemoryTwin {
@@ -49,9 +50,10 @@ class MemoryTwin {
     std::uint32_t slotCount = 0;
   };
   struct Column {
-    std::uint32_t carryOffset = 0;                   // square blocks used in the carried-over superblock
-    std::optional<std::uint32_t> carrySuperblock;    // none before the first
-    std::vector<std::optional<std::uint32_t>> list;  // sb[w]: the carried-over one, then those popped this frame
+    std::uint32_t carryOffset = 0;                 // square blocks used in the carried-over superblock
+    std::optional<std::uint32_t> carrySuperblock;  // none before the first
+    std::vector<std::optional<std::uint32_t>>
+        list;  // sb[w]: the carried-over one, then those popped this frame
   };
   /// What a visible patch asks for: w = 0 is a single texel, which takes no memory.
   struct Want {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/frame/engine_state.hpp"
-// SUB #include "engine/scene/subdivide.hpp"
+#include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -62,7 +62,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
 
   if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits) return tl::unexpected(fits.error());
   say("splitting long edges");
-  // SUB if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
+  if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
   s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);
   s.graph = planFrame(s.features, options.request);
   completeAttributes(s.scene, s.features);

@@ -14,7 +14,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kRelax = 1.25;  // step in which the limit grows until the cap is kept
+constexpr double kMaxQuadRatio = 4.0;  // between the areas of the two triangles of a quad
+constexpr double kRelax = 1.25;        // step in which the limit grows until the cap is kept
 
 // Squared lengths in the world, the largest over a mesh's instances: d . (M^T M) . d.
 class Metric {
@@ -55,34 +56,35 @@ T middle(const T& a, const T& b) {
 std::uint64_t edgeKey(std::uint32_t a, std::uint32_t b) { return std::uint64_t{a} << 32 | b; }
 std::uint64_t undirected(std::uint32_t a, std::uint32_t b) { return edgeKey(std::min(a, b), std::max(a, b)); }
 
-// x0 + x2 = x1 + x3 but for rounding: the attribute is affine over the parallelogram 0 1 2 3.
+// Where vertex 3 of the quad 0 1 2 3 lies seen from the triangle 0 1 2: x3 = x0 + s (x1 - x0) + t (x2 - x0).
+struct Affine {
+  double s = 0.0;
+  double t = 0.0;
+};
+
+// The attribute follows the same map as the positions, but for rounding: it is affine over the whole quad.
 template <class T>
-bool affine(const std::vector<T>& array, const std::array<std::uint32_t, 4>& v) {
+bool follows(const std::vector<T>& array, const std::array<std::uint32_t, 4>& v, const Affine& map) {
   if (array.empty()) return true;
-  const T& origin = array[v[0]];
+  double extent = 0.0;
+  double size = 0.0;
+  double error = 0.0;
   for (int c = 0; c < T::length(); ++c) {
     const auto x = [&](std::size_t k) { return static_cast<double>(array[v[k]][c]); };
-    double extent = 0.0;
-    double size = 0.0;
-    for (int k = 0; k < T::length(); ++k) {
-      for (const std::uint32_t i : v) {
-        extent =
-            std::max(extent, std::abs(static_cast<double>(array[i][k]) - static_cast<double>(origin[k])));
-        size = std::max(size, std::abs(static_cast<double>(array[i][k])));
-      }
+    for (std::size_t k = 0; k < 4; ++k) {
+      extent = std::max(extent, std::abs(x(k) - x(0)));
+      size = std::max(size, std::abs(x(k)));
     }
-    if (!(std::abs(x(0) - x(1) + x(2) - x(3)) <=
-          1e-5 * extent + 4.0 * double{std::numeric_limits<float>::epsilon()} * size))
-      return false;
+    error = std::max(error, std::abs(x(0) + map.s * (x(1) - x(0)) + map.t * (x(2) - x(0)) - x(3)));
   }
-  return true;
+  return error <= 1e-5 * extent + 4.0 * double{std::numeric_limits<float>::epsilon()} * size;
 }
 
 // One primitive that has something to split, and what is known of it whatever the limit.
 struct Plan {
   std::uint32_t primitive = 0;
   const Metric* metric = nullptr;
-  std::vector<std::uint32_t> partner;  // of each triangle: the other half of its parallelogram, or kNone
+  std::vector<std::uint32_t> partner;  // of each triangle: the other half of its quad, or kNone
   std::vector<std::uint8_t> longest;   // of each triangle: number of its longest edge
 };
 
@@ -158,12 +160,13 @@ class Splitter {
     tooMany_ = split_.indices.size() / 3 > maxTriangles_;
   }
 
-  // Triangles (a, b, c) and (a, c, d) of a parallelogram.
+  // Triangles (a, b, c) and (a, c, d) of a flat convex quad with affine attributes: halving it along either
+  // way changes no surface and no attribute, whichever triangle a point was in.
   void quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
     if (tooMany_) return;
     const bool along = isLong(a, b);
     const bool across = isLong(b, c);
-    if (along != isLong(c, d) || across != isLong(d, a)) {  // by rounding
+    if (along != isLong(c, d) || across != isLong(d, a)) {  // a trapezoid, or rounding
       triangle(a, b, c);
       triangle(a, c, d);
     } else if (along && (!across || squared(a, b) >= squared(b, c))) {
@@ -218,18 +221,15 @@ class Splitter {
     triangle(m, b, c);
   }
 
-  // a-b and b-c are long. The middle of the longer one is joined with the corner across: the three parts make
-  // a fan.
+  // a-b and b-c are long: a triangle at their common corner, and a trapezoid that can be cut into strips.
   void splitTwo(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t m = midpoint(a, b);
     const std::uint32_t n = midpoint(b, c);
     triangle(m, b, n);
-    if (squared(a, b) >= squared(b, c)) {
-      triangle(a, m, c);
-      triangle(m, n, c);
+    if (squared(m, c) <= squared(a, n)) {
+      quad(m, n, c, a);
     } else {
-      triangle(a, m, n);
-      triangle(a, n, c);
+      quad(a, m, n, c);
     }
   }
 
@@ -259,7 +259,7 @@ class Planner {
     }
     if (plans.size() == before) return;
     countEdges();
-    for (std::size_t i = before; i < plans.size(); ++i) findParallelograms(plans[i]);
+    for (std::size_t i = before; i < plans.size(); ++i) findQuads(plans[i]);
   }
 
  private:
@@ -314,9 +314,9 @@ class Planner {
     return undirected(place_[base + a - first], place_[base + b - first]);
   }
 
-  // Pairs of triangles over a common longest edge. No third triangle may touch that edge, since it is not
-  // split with the others of its length.
-  void findParallelograms(Plan& plan) const {
+  // Pairs of triangles over a common longest edge that make a flat quad. No third triangle may touch that
+  // edge, since it is not split with the others of its length.
+  void findQuads(Plan& plan) const {
     plan.partner.assign(plan.longest.size(), kNone);
     std::unordered_map<std::uint64_t, std::uint32_t> byEdge;
     for (std::uint32_t t = 0; t < plan.longest.size(); ++t) {
@@ -332,16 +332,29 @@ class Planner {
       const auto users = std::equal_range(edges_.begin(), edges_.end(), placeKey(plan.primitive, from, to));
       if (users.second - users.first != 2) continue;
       const std::uint32_t across = triangle(plan.primitive, other)[(plan.longest[other] + 2) % 3];
-      if (!isParallelogram({from, across, to, v[(e + 2) % 3]})) continue;
+      if (!isFlat({from, across, to, v[(e + 2) % 3]})) continue;
       plan.partner[t] = other;
       plan.partner[other] = t;
     }
   }
 
-  [[nodiscard]] bool isParallelogram(const std::array<std::uint32_t, 4>& v) const {
+  // Convex, flat and with affine attributes.
+  [[nodiscard]] bool isFlat(const std::array<std::uint32_t, 4>& v) const {
     const Vertices& x = scene_.vertices;
-    return affine(x.position, v) && affine(x.normal, v) && affine(x.tangent, v) && affine(x.uv0, v) &&
-           affine(x.uv1, v) && affine(x.color, v);
+    const dvec3 origin(x.position[v[0]]);
+    const dvec3 a = dvec3(x.position[v[1]]) - origin;
+    const dvec3 b = dvec3(x.position[v[2]]) - origin;
+    const dvec3 d = dvec3(x.position[v[3]]) - origin;
+    const dvec3 n = glm::cross(a, b);
+    const double scale = glm::dot(n, n);
+    if (!(scale > 0.0)) return false;
+    const Affine map{glm::dot(glm::cross(d, b), n) / scale, glm::dot(glm::cross(a, d), n) / scale};
+    const double crossing = map.t / (1.0 - map.s);  // of the diagonals, along 0-2
+    if (!(map.s < 0.0 && crossing > 0.0 && crossing < 1.0)) return false;
+    // A small share here means a triangle that is far larger than the other: its rounding would be blown up.
+    if (map.s < -kMaxQuadRatio || map.s > -1.0 / kMaxQuadRatio) return false;
+    return follows(x.position, v, map) && follows(x.normal, v, map) && follows(x.tangent, v, map) &&
+           follows(x.uv0, v, map) && follows(x.uv1, v, map) && follows(x.color, v, map);
   }
 
   const Scene& scene_;

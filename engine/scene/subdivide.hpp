@@ -25,10 +25,11 @@ struct SubdivideReport {
 ///
 /// Whether an edge is split, and where, follows from the positions of its ends alone: triangles that met
 /// along an edge still do, also across seams of normals or UVs and across the primitives of a mesh. Two
-/// triangles that make a parallelogram with attributes to match become a grid of parallelograms with
-/// diagonals all one way; its diagonals may be longer than the limit (up to sqrt 2 in a rectangle), its sides
-/// may not. Attributes are means of the ends', normals and tangents not brought to unit length, so that a
-/// split triangle interpolates as the whole one did.
+/// triangles that make a flat convex quad with affine attributes are cut across, into rows of quads; a
+/// rectangle becomes a grid with diagonals all one way. Diagonals of such quads may be longer than the limit
+/// (up to sqrt 2 times in a rectangle, never more than twice), sides may not. Attributes are means of the
+/// ends', normals and tangents not brought to unit length, so that a split triangle interpolates as the whole
+/// one did.
 ///
 /// Ranges of primitives stay contiguous and in order; vertices and indices of primitives that are split grow,
 /// those of others move. Primitives without an instance are left alone.

@@ -37,9 +37,8 @@ bool openFrame() {
     atlas.superblocksUsed = 0u;
     atlas.cutTexels = 0u;
   }
-  atlas.bias = config.constantBias;
-  if (config.pressure != 0u)
-    atlas.bias += pressureBias(atlas.idealLow, atlas.idealHigh, atlas.ones, atlas.target);
+  atlas.pressureBias =
+      config.pressure != 0u ? pressureBias(atlas.idealLow, atlas.idealHigh, atlas.ones, atlas.target) : 0.0;
   atlas.failures = 0u;
   atlas.liveTexels = 0u;
   atlas.records = 0u;

@@ -19,8 +19,8 @@ void release(uint patchId) {
 void request(uint patchId, PatchMeasure measure) {
   PatchState state = patchStates[patchId];
   bool known = state.epoch == atlas.epoch;
-  uint level = selectLevel(measure, atlas.bias, atlas.config.superblockLog2, state.level,
-                           known ? atlas.config.hysteresis : -1.0);
+  uint level = selectLevel(measure, atlas.config.constantBias, atlas.pressureBias, atlas.config.superblockLog2,
+                           state.level, known ? atlas.config.hysteresis : -1.0);
   if (known) {
     if (state.level == level) return;
     if ((state.level & kLevelSize) == (level & kLevelSize)) {  // the same block, seen the other way round

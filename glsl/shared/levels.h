@@ -1,6 +1,6 @@
 // Level selection: how large the block of a patch should be. Based on Mueller 2021, sec. 3.5.
-// Lengths are pixels on a curved image plane (angle times pixels per radian), so they do not depend on where the camera
-// looks. Everything here is total: any float, NaN and infinity included, gives a valid level.
+// Lengths are pixels on a curved image plane (angle times pixels per radian), so they do not depend on where
+// the camera looks. Everything here is total: any float, NaN and infinity included, gives a valid level.
 #ifndef TESSERA_GLSL_SHARED_LEVELS_H
 #define TESSERA_GLSL_SHARED_LEVELS_H
 #include "shared/dialect.h"
@@ -13,7 +13,6 @@ TESSERA_SHARED_BEGIN
 #ifdef __cplusplus
 using glm::abs;
 using glm::acos;
-using glm::atan;
 using glm::clamp;
 using glm::cross;
 using glm::dot;
@@ -27,13 +26,22 @@ using glm::sqrt;
 inline uint floatBitsToUint(float value) { return std::bit_cast<uint>(value); }
 #endif
 
-SHARED_CONST uint kMaxBlockLog2 = 10u;       // the largest superblock is 1024 x 1024 texels
-SHARED_CONST uint kLevelTransposed = 256u;   // the block's width runs along the patch's y axis
-SHARED_CONST uint kLevelPending = 512u;      // the patch drew a slot and waits for its block (inside a frame only)
-SHARED_CONST uint kLevelSize = 255u;         // mask of w and h
+SHARED_CONST uint kMaxBlockLog2 = 10u;      // the largest superblock is 1024 x 1024 texels
+SHARED_CONST uint kLevelTransposed = 256u;  // the block's width runs along the patch's y axis
+SHARED_CONST uint kLevelPending =
+    512u;                             // the patch drew a slot and waits for its block (inside a frame only)
+SHARED_CONST uint kLevelSize = 255u;  // mask of w and h
 SHARED_CONST float kLevelHalf = 0.5;
 SHARED_CONST float kLevelOne = 1.0;
 SHARED_CONST float kLevelZero = 0.0;
+SHARED_CONST float kPi = 3.14159265358979;
+SHARED_CONST float kHalfPi = 1.57079632679490;
+SHARED_CONST float kQuarterPi = 0.785398163397448;
+SHARED_CONST float kTangent22 = 0.414213562373095;  // tan(pi / 8)
+SHARED_CONST float kArc0 = -0.3333295512;
+SHARED_CONST float kArc1 = 0.1997792017;
+SHARED_CONST float kArc2 = -0.1387978016;
+SHARED_CONST float kArc3 = 0.08060065663;
 SHARED_CONST float kSmallestArea = 1.0e-30;  // pixels; what has no area counts as this
 SHARED_CONST float kLargestArea = 1.0e30;
 SHARED_CONST float kFarthestCorner = 1.0e9;  // distance from the eye up to which cross products stay finite
@@ -48,20 +56,36 @@ struct PatchMeasure {
 // Infinity and NaN by their bits: compilers may assume that comparisons never meet a NaN.
 SHARED_FN bool isFiniteNumber(float value) { return (floatBitsToUint(value) & 0x7f800000u) != 0x7f800000u; }
 
-// The angle between two vectors in radians, 0 to pi. The cross product is taken with the difference, which is exact
-// for vectors that lie close together, so small angles keep all their digits. 0 where a vector is zero.
+// atan2 for y >= 0, to 3e-7 relative: drivers may have far less (Mesa 22.3: 5e-6), and flat triangles
+// multiply the error of their edges. Reduced to |x| <= tan(pi / 8), where atan(x) / x - 1 is x^2 times a
+// cubic in x^2, fitted to 2e-8.
+SHARED_FN float upperArcTangent(float y, float x) {
+  float side = abs(x);
+  float large = max(side, y);
+  if (!(large > kLevelZero)) return kLevelZero;
+  float ratio = min(side, y) / large;
+  bool reduced = ratio > kTangent22;
+  float t = reduced ? (ratio - kLevelOne) / (ratio + kLevelOne) : ratio;
+  float z = t * t;
+  float cubic = ((kArc3 * z + kArc2) * z + kArc1) * z + kArc0;
+  float angle = (t + t * z * cubic) + (reduced ? kQuarterPi : kLevelZero);
+  if (y > side) angle = kHalfPi - angle;
+  return x < kLevelZero ? kPi - angle : angle;
+}
+
+// The angle between two vectors in radians, 0 to pi. The cross product is taken with the difference, which is
+// exact for vectors that lie close together, so small angles keep all their digits. 0 where a vector is zero.
 SHARED_FN float angleBetween(vec3 a, vec3 b) {
   float sine = length(cross(a, b - a));
   float cosine = dot(a, b);
-  if (sine == kLevelZero && cosine == kLevelZero) return kLevelZero;
-  return atan(sine, cosine);
+  return upperArcTangent(sine, cosine);
 }
 
 // The same as printed (Mueller 2021, eq. 3.1): loses all digits below some 3.5e-4 rad. For accuracy studies.
 SHARED_FN float angleByAcos(vec3 a, vec3 b) { return acos(dot(a, b) / (length(a) * length(b))); }
 
-// Area of a triangle from its edge lengths, Kahan's ordered form: full relative accuracy for needles. Lengths that
-// break the triangle inequality by rounding give 0.
+// Area of a triangle from its edge lengths, Kahan's ordered form: full relative accuracy for needles. Lengths
+// that break the triangle inequality by rounding give 0.
 SHARED_FN float triangleArea(float x, float y, float z) {
   float a = max(x, max(y, z));
   float c = min(x, min(y, z));
@@ -83,10 +107,10 @@ SHARED_FN float safeLog2(float value) {
   return log2(clamp(value, kSmallestArea, kLargestArea));
 }
 
-// Measures a patch from its corners relative to the eye, laid out as PatchGeometry says; `triangles` is 1 to 3. The
-// area is that of the whole block: a single fills half of its block, so its block has twice its area.
-// The aspect compares the longest of the edges that run along x in the block with the longest along y. A patch with a
-// corner that is not finite or farther than kFarthestCorner has no area.
+// Measures a patch from its corners relative to the eye, laid out as PatchGeometry says; `triangles` is 1
+// to 3. The area is that of the whole block: a single fills half of its block, so its block has twice its
+// area. The aspect compares the longest of the edges that run along x in the block with the longest along y.
+// A patch with a corner that is not finite or farther than kFarthestCorner has no area.
 SHARED_FN PatchMeasure measurePatch(vec3 v0, vec3 v1, vec3 v2, vec3 v3, vec3 v4, uint triangles,
                                     float pixelsPerRadian) {
   float e01 = angleBetween(v0, v1);
@@ -116,7 +140,8 @@ SHARED_FN PatchMeasure measurePatch(vec3 v0, vec3 v1, vec3 v2, vec3 v3, vec3 v4,
   if (!isFiniteNumber(reach) || reach > kFarthestCorner) area = kLevelZero;
   measure.logArea = safeLog2(area * pixelsPerRadian * pixelsPerRadian);
   float aspect = safeLog2(x) - safeLog2(y);
-  // A side without length says nothing about the shape of a block; that of a patch without area does not matter.
+  // A side without length says nothing about the shape of a block; that of a patch without area does not
+  // matter.
   measure.logAspect = clamp(aspect, -float(2u * kMaxBlockLog2), float(2u * kMaxBlockLog2));
   return measure;
 }
@@ -133,12 +158,17 @@ SHARED_FN uint levelTexels(uint level) { return 1u << (levelWidth(level) + level
 // The largest |w - h| that levels of log2 area `area` can have when no side passes 2^maxLog2.
 SHARED_FN int widestAspect(int area, int maxLog2) { return min(area, 2 * maxLog2 - area); }
 
-// The level nearest to a measure under a bias: log2 area minus bias rounded, then log2 aspect rounded to the same
-// parity, both within blocks of 1 to 2^maxLog2 texels a side (Mueller 2021, eq. 3.2). `previous` is kept while the
-// ideal lies within half a step plus `hysteresis` (in log2 of area, and of aspect) of it; pass hysteresis < 0 for none.
-SHARED_FN uint selectLevel(PatchMeasure measure, float bias, uint maxLog2, uint previous, float hysteresis) {
+// The level nearest to a measure under two biases: log2 area minus them rounded, then log2 aspect rounded to
+// the same parity, both within blocks of 1 to 2^maxLog2 texels a side (Mueller 2021, eq. 3.2). `pressure` is
+// taken off what the largest block leaves of the area, as pressureBias counts it: else patches larger than
+// that would not shrink at all. `previous` is kept while the ideal lies within half a step plus `hysteresis`
+// (in log2 of area, and of aspect) of it; pass hysteresis < 0 for none.
+SHARED_FN uint selectLevel(PatchMeasure measure, float bias, float pressure, uint maxLog2, uint previous,
+                           float hysteresis) {
   int maximum = int(maxLog2);
-  float wanted = measure.logArea - bias;
+  float ideal = measure.logArea - bias;
+  if (!isFiniteNumber(ideal)) return 0u;
+  float wanted = min(ideal, float(2 * maximum)) - pressure;
   float aspect = measure.logAspect;
   if (!isFiniteNumber(wanted) || !isFiniteNumber(aspect)) return 0u;
   float idealArea = clamp(wanted, kLevelZero, float(2 * maximum));
@@ -161,7 +191,8 @@ SHARED_FN uint selectLevel(PatchMeasure measure, float bias, uint maxLog2, uint 
   return packLevel(uint(area + wide) / 2u, uint(area - wide) / 2u, spread < 0);
 }
 
-// The ideal block area of a patch in whole texels, clamped to the smallest and the largest block: its share of I.
+// The ideal block area of a patch in whole texels, clamped to the smallest and the largest block: its share
+// of I.
 SHARED_FN uint idealTexels(PatchMeasure measure, float bias, uint maxLog2) {
   float wanted = measure.logArea - bias;
   if (!isFiniteNumber(wanted)) return 1u;
@@ -170,8 +201,8 @@ SHARED_FN uint idealTexels(PatchMeasure measure, float bias, uint maxLog2) {
   return uint(exp2(min(wanted, float(2u * maxLog2))) + kLevelHalf);
 }
 
-// b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least 0: room to spare does not make blocks larger than
-// ideal. I = idealHigh * 2^32 + idealLow texels, d = `ones` patches of one texel, S = `target` texels.
+// b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least 0: room to spare does not make blocks larger
+// than ideal. I = idealHigh * 2^32 + idealLow texels, d = `ones` patches of one texel, S = `target` texels.
 SHARED_FN float pressureBias(uint idealLow, uint idealHigh, uint ones, float target) {
   if (idealHigh == 0u && idealLow <= ones) return kLevelZero;
   uint high = idealHigh - (idealLow < ones ? 1u : 0u);

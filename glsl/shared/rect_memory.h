@@ -1,18 +1,19 @@
-// GPU state of the rectangular atlas. Based on Mueller 2021, sec. 3.3 and 3.4: the atlas is cut into superblocks, a
-// superblock into columns of one width, a column into blocks of that width. A level l = (w, h) is the block size
-// 2^w x 2^h, w >= h, w >= 1. What is one texel (w = 0) never uses the allocator: every patch instance owns a texel in
-// the record rows below the superblocks.
+// GPU state of the rectangular atlas. Based on Mueller 2021, sec. 3.3 and 3.4: the atlas is cut into
+// superblocks, a superblock into columns of one width, a column into blocks of that width. A level l = (w, h)
+// is the block size 2^w x 2^h, w >= h, w >= 1. What is one texel (w = 0) never uses the allocator: every
+// patch instance owns a texel in the record rows below the superblocks.
 #ifndef TESSERA_GLSL_SHARED_RECT_MEMORY_H
 #define TESSERA_GLSL_SHARED_RECT_MEMORY_H
 #include "shared/dialect.h"
 #include "shared/levels.h"
 TESSERA_SHARED_BEGIN
 
-// Work-group size of the passes over the visible list: their indirect arguments are (ceil(count / this), 1, 1).
+// Work-group size of the passes over the visible list: their indirect arguments are (ceil(count / this), 1,
+// 1).
 #define RECT_GROUP 64
 // How many views BIND_VIEWS has room for.
 #define RECT_VIEWS 8
-SHARED_CONST uint kWidths = kMaxBlockLog2 + 1u;                       // indexed by w; 0 is unused
+SHARED_CONST uint kWidths = kMaxBlockLog2 + 1u;  // indexed by w; 0 is unused
 SHARED_CONST uint kLevels = (kMaxBlockLog2 + 1u) * (kMaxBlockLog2 + 2u) / 2u;
 SHARED_CONST uint kNoSuperblock = 0xffffffffu;
 
@@ -30,14 +31,14 @@ struct AtlasConfig {
   uint superblockLog2;  // 1 to kMaxBlockLog2
   uint superblocks;     // how many there are
   uint patchInstances;
-  uint pressure;        // 1: the bias follows from memory pressure
-  float constantBias;   // log2 of area, subtracted before rounding; positive makes blocks smaller
-  float hysteresis;     // log2; negative for none
-  float highWater;      // share of the atlas cut into blocks beyond which memory is reset
-  float targetLargest;  // S starts here and never grows past it, texels
-  float targetSmallest; // S is never cut below this, texels
-  float targetCut;      // factor on S at a reset
-  float targetGrowth;   // factor on S in a frame without pressure
+  uint pressure;         // 1: the bias follows from memory pressure
+  float constantBias;    // log2 of area, subtracted before rounding; positive makes blocks smaller
+  float hysteresis;      // log2; negative for none
+  float highWater;       // share of the atlas cut into blocks beyond which memory is reset
+  float targetLargest;   // S starts here and never grows past it, texels
+  float targetSmallest;  // S is never cut below this, texels
+  float targetCut;       // factor on S at a reset
+  float targetGrowth;    // factor on S in a frame without pressure
 };
 
 // Blocks of one size.
@@ -58,7 +59,7 @@ struct WidthState {
   uint carrySuperblock;  // kNoSuperblock before the first one
   uint firstPopped;      // superblocks popped this frame are firstPopped, firstPopped + 1, ...
   uint popped;
-  uint sourceSuperblock; // the superblock carried into this frame: the first one that slots refer to
+  uint sourceSuperblock;  // the superblock carried into this frame: the first one that slots refer to
 };
 
 struct AtlasState {
@@ -67,22 +68,22 @@ struct AtlasState {
   uint requestGroupsX;
   uint requestGroupsY;
   uint requestGroupsZ;
-  uint epoch;             // counts resets; starts at 1
-  uint superblocksUsed;   // the superblock stack: it only pops between resets, so its entries are in order
-  uint idealLow;          // I and d of the visible set, see pressureBias
+  uint epoch;            // counts resets; starts at 1
+  uint superblocksUsed;  // the superblock stack: it only pops between resets, so its entries are in order
+  uint idealLow;         // I and d of the visible set, see pressureBias
   uint idealHigh;
   uint ones;
-  float bias;             // constant and pressure bias together, of this frame
-  float target;           // S, texels
-  uint cutTexels;         // texels of all blocks cut since the last reset
-  uint failures;          // requests of this frame that found no memory
-  uint visible;           // patches of this frame
-  uint liveTexels;        // texels of the blocks they hold after it
-  uint records;           // visible patches at one texel, failures included
-  uint resets;            // since creation
-  uint frames;            // since creation
-  uint sinceReset;        // frames since the last reset
-  uint resetWait;         // frames that must lie between two resets that pressure asks for
+  float pressureBias;  // of this frame, see pressureBias
+  float target;        // S, texels
+  uint cutTexels;      // texels of all blocks cut since the last reset
+  uint failures;       // requests of this frame that found no memory
+  uint visible;        // patches of this frame
+  uint liveTexels;     // texels of the blocks they hold after it
+  uint records;        // visible patches at one texel, failures included
+  uint resets;         // since creation
+  uint frames;         // since creation
+  uint sinceReset;     // frames since the last reset
+  uint resetWait;      // frames that must lie between two resets that pressure asks for
   LevelState levels[kLevels];
   WidthState widths[kWidths];
 };
@@ -114,9 +115,10 @@ SHARED_FN uint recordOrigin(AtlasConfig config, uint patchInstance) {
   return packOrigin(patchInstance % config.width, config.height + patchInstance / config.width);
 }
 
-// Entries that the stack of a level may ever need. Blocks of a level are disjoint, so the area bounds them. They are
-// also bounded by patches: blocks are cut only for requests that the stack cannot serve, so all blocks of a level were
-// live at once, but for one odd remainder a frame. kRemainders of those are room for; see rect_provision.comp.
+// Entries that the stack of a level may ever need. Blocks of a level are disjoint, so the area bounds them.
+// They are also bounded by patches: blocks are cut only for requests that the stack cannot serve, so all
+// blocks of a level were live at once, but for one odd remainder a frame. kRemainders of those are room for;
+// see rect_provision.comp.
 SHARED_CONST uint kRemainders = 1024u;
 SHARED_FN uint stackCapacityOf(AtlasConfig config, uint w, uint h) {
   uint byArea = config.superblocks * blocksPerSuperblock(config.superblockLog2, w, h);

@@ -10,61 +10,20 @@
 #include <glm/gtc/constants.hpp>
 #include <gtest/gtest.h>
 
+#include "tests/atlas/measure_reference.hpp"
+
 namespace tessera {
 namespace {
 
 using glsl::PatchMeasure;
-using Long = long double;
-using LongVector = glm::vec<3, Long>;
-using Corners = std::array<glm::vec3, 5>;
-
+using test::angle;
+using test::area;
+using test::Corners;
+using test::Long;
+using test::Reference;
+using test::referenceMeasure;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-Long length(const LongVector& v) { return std::sqrt(glm::dot(v, v)); }
-Long angle(const glm::vec3& a, const glm::vec3& b) {
-  return std::atan2(length(glm::cross(LongVector(a), LongVector(b))), glm::dot(LongVector(a), LongVector(b)));
-}
-/// From edge lengths by the law of cosines: neither Heron's nor Kahan's form.
-Long area(Long a, Long b, Long c) {
-  const Long cosine = (a * a + b * b - c * c) / (2 * a * b);
-  return a * b * std::sqrt(std::max(Long{0}, (1 - cosine) * (1 + cosine))) / 2;
-}
-
-/// A patch measured in long double, with the conditioning of its area on its edge lengths.
-struct Reference {
-  Long logArea = 0;
-  Long logAspect = 0;
-  Long condition = 0;  // how much a relative error of the lengths grows in the area
-};
-Reference referenceMeasure(const Corners& v, unsigned triangles, Long pixels) {
-  Long sum = 0;
-  Long condition = 0;
-  const auto add = [&](int i, int j, int k) {
-    const Long a = angle(v[i], v[j]);
-    const Long b = angle(v[j], v[k]);
-    const Long c = angle(v[i], v[k]);
-    const Long longest = std::max({a, b, c});
-    const Long one = area(a, b, c);
-    sum += one;
-    condition += longest * longest * longest * longest / one;
-  };
-  add(0, 1, 2);
-  Long x = angle(v[0], v[1]);
-  Long y = angle(v[1], v[2]);
-  if (triangles == 1) sum *= 2;
-  if (triangles >= 2) add(0, 2, 3);
-  if (triangles == 2) {
-    x = std::max(x, angle(v[2], v[3]));
-    y = std::max(y, angle(v[3], v[0]));
-  }
-  if (triangles == 3) {
-    add(0, 3, 4);
-    x = std::max(x + angle(v[0], v[4]), angle(v[2], v[3]));
-    y = std::max(y, angle(v[3], v[4]));
-  }
-  return {std::log2(sum * pixels * pixels), std::log2(x / y), condition / sum};
-}
 
 PatchMeasure measure(const Corners& v, unsigned triangles, float pixels) {
   return glsl::measurePatch(v[0], v[1], v[2], v[3], v[4], triangles, pixels);
@@ -108,7 +67,7 @@ TEST(Levels, NearestLevelByBruteForce) {
     bool clear = false;
     const glsl::uint expected = bestLevel(static_cast<Long>(m.logArea) - static_cast<Long>(bias),
                                           static_cast<Long>(m.logAspect), maximum, 1e-5L, clear);
-    const glsl::uint got = glsl::selectLevel(m, bias, static_cast<glsl::uint>(maximum), 0, -1.0f);
+    const glsl::uint got = glsl::selectLevel(m, bias, 0.0f, static_cast<glsl::uint>(maximum), 0, -1.0f);
     ASSERT_GE(glsl::levelWidth(got), glsl::levelHeight(got));
     if (!clear) continue;
     ++compared;
@@ -118,7 +77,9 @@ TEST(Levels, NearestLevelByBruteForce) {
 }
 
 TEST(Levels, HandWorkedLevels) {
-  const auto level = [](float a, float aspect) { return glsl::selectLevel({a, aspect}, 0.0f, 8, 0, -1.0f); };
+  const auto level = [](float a, float aspect) {
+    return glsl::selectLevel({a, aspect}, 0.0f, 0.0f, 8, 0, -1.0f);
+  };
   EXPECT_EQ(level(0.0f, 0.0f), 0u);
   EXPECT_EQ(level(0.49f, 5.0f), 0u);
   EXPECT_EQ(level(1.0f, 0.0f), glsl::packLevel(1, 0, false));
@@ -130,11 +91,17 @@ TEST(Levels, HandWorkedLevels) {
   EXPECT_EQ(level(14.0f, 9.0f), glsl::packLevel(8, 6, false));
   EXPECT_EQ(level(40.0f, 0.0f), glsl::packLevel(8, 8, false));
   EXPECT_EQ(level(5.0f, 20.0f), glsl::packLevel(5, 0, false));
+  // A patch of four largest blocks: the constant bias counts from its area, that of pressure from the block.
+  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 2.0f, 0.0f, 8, 0, -1.0f), glsl::packLevel(8, 8, false));
+  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 0.0f, 2.0f, 8, 0, -1.0f), glsl::packLevel(7, 7, false));
+  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 0.0f, glsl::kLargestBias, 8, 0, -1.0f), 0u);
 }
 
 TEST(Levels, HysteresisIsHalfAStepAndMore) {
   const glsl::uint previous = glsl::packLevel(4, 2, false);  // area 6, aspect 2
-  const auto next = [&](float a, float aspect, float h) { return glsl::selectLevel({a, aspect}, 0.0f, 8, previous, h); };
+  const auto next = [&](float a, float aspect, float h) {
+    return glsl::selectLevel({a, aspect}, 0.0f, 0.0f, 8, previous, h);
+  };
   EXPECT_EQ(next(6.74f, 2.0f, 0.25f), previous);
   EXPECT_EQ(next(6.76f, 2.0f, 0.25f), glsl::packLevel(5, 2, false));
   EXPECT_EQ(next(6.55f, 2.0f, -1.0f), glsl::packLevel(5, 2, false));
@@ -149,7 +116,7 @@ TEST(Levels, HysteresisIsHalfAStepAndMore) {
   for (int i = 0; i < 100000; ++i) {
     const PatchMeasure m = {std::uniform_real_distribution<float>(-3, 20)(random),
                             std::uniform_real_distribution<float>(-9, 9)(random)};
-    const glsl::uint level = glsl::selectLevel(m, 0.0f, 8, random() & 0x1ffu, 0.3f);
+    const glsl::uint level = glsl::selectLevel(m, 0.0f, 0.0f, 8, random() & 0x1ffu, 0.3f);
     const int w = static_cast<int>(glsl::levelWidth(level));
     const int h = static_cast<int>(glsl::levelHeight(level));
     ASSERT_LE(w, 8);
@@ -167,7 +134,8 @@ TEST(Levels, MeasuresAgainstLongDouble) {
     const float distance = std::exp2(std::uniform_real_distribution<float>(-6, 12)(random));
     const float size = distance * std::exp2(std::uniform_real_distribution<float>(-18, 1)(random));
     const float stretch = std::exp2(std::uniform_real_distribution<float>(-8, 0)(random));
-    const glm::vec3 center = glm::normalize(glm::vec3(normal(random), normal(random), normal(random))) * distance;
+    const glm::vec3 center =
+        glm::normalize(glm::vec3(normal(random), normal(random), normal(random))) * distance;
     Corners v;
     for (glm::vec3& corner : v) {
       corner = glm::vec3(normal(random), normal(random) * stretch, normal(random)) * size;
@@ -209,6 +177,27 @@ TEST(Levels, PatchesLaidOutByHand) {
   expectMeasure({at(4, 0), at(8, 0), at(8, 2), at(0, 2), at(0, 0)}, 3, 16, 4);
 }
 
+TEST(Levels, ArcTangentIsExactToFloats) {
+  double worst = 0.0;
+  std::mt19937 random(8);
+  for (int i = 0; i < 300000; ++i) {
+    const float y = std::exp2(std::uniform_real_distribution<float>(-30, 30)(random));
+    const float x =
+        (i % 2 == 0 ? 1.0f : -1.0f) * std::exp2(std::uniform_real_distribution<float>(-30, 30)(random));
+    const float nearby = i % 3 == 0 ? y * std::uniform_real_distribution<float>(-3, 3)(random) : x;
+    const Long exact = std::atan2(static_cast<Long>(y), static_cast<Long>(nearby));
+    worst = std::max(
+        worst,
+        std::abs(static_cast<double>(static_cast<Long>(glsl::upperArcTangent(y, nearby)) / exact - 1)));
+  }
+  std::printf("relative error of the arc tangent: %.2g\n", worst);
+  EXPECT_LT(worst, 3e-7);
+  EXPECT_EQ(glsl::upperArcTangent(0.0f, 0.0f), 0.0f);
+  EXPECT_EQ(glsl::upperArcTangent(0.0f, 1.0f), 0.0f);
+  EXPECT_FLOAT_EQ(glsl::upperArcTangent(0.0f, -1.0f), glm::pi<float>());
+  EXPECT_FLOAT_EQ(glsl::upperArcTangent(1.0f, 0.0f), glm::half_pi<float>());
+}
+
 TEST(Levels, AnglesKeepTheirDigits) {
   // An edge of a tenth of a pixel at 1080p: about 1e-4 rad.
   double worstAtan = 0.0;
@@ -220,9 +209,11 @@ TEST(Levels, AnglesKeepTheirDigits) {
     const glm::vec3 b = a + glm::vec3(normal(random), normal(random), normal(random)) * 1e-3f;
     const Long exact = angle(a, b);
     if (exact < 2e-5L || exact > 2e-4L) continue;
-    worstAtan = std::max(worstAtan, std::abs(static_cast<double>(static_cast<Long>(glsl::angleBetween(a, b)) / exact - 1)));
+    worstAtan = std::max(
+        worstAtan, std::abs(static_cast<double>(static_cast<Long>(glsl::angleBetween(a, b)) / exact - 1)));
     const auto printed = static_cast<Long>(glsl::angleByAcos(a, b));
-    worstAcos = std::max(worstAcos, std::isnan(printed) ? 1.0 : std::abs(static_cast<double>(printed / exact - 1)));
+    worstAcos =
+        std::max(worstAcos, std::isnan(printed) ? 1.0 : std::abs(static_cast<double>(printed / exact - 1)));
   }
   std::printf("relative error at about 1e-4 rad: atan2 form %.2g, acos form %.2g\n", worstAtan, worstAcos);
   EXPECT_LT(worstAtan, 1e-6);
@@ -244,10 +235,12 @@ TEST(Levels, AreasOfNeedles) {
     const Long exact = area(static_cast<Long>(a), static_cast<Long>(c), static_cast<Long>(a));
     const float orders[][3] = {{a, a, c}, {a, c, a}, {c, a, a}};
     for (const auto& o : orders) {
-      worstKahan = std::max(worstKahan, std::abs(static_cast<double>(
-                                            static_cast<Long>(glsl::triangleArea(o[0], o[1], o[2])) / exact - 1)));
-      worstHeron = std::max(worstHeron, std::abs(static_cast<double>(
-                                            static_cast<Long>(glsl::triangleAreaByHeron(o[0], o[1], o[2])) / exact - 1)));
+      worstKahan = std::max(
+          worstKahan,
+          std::abs(static_cast<double>(static_cast<Long>(glsl::triangleArea(o[0], o[1], o[2])) / exact - 1)));
+      worstHeron = std::max(worstHeron,
+                            std::abs(static_cast<double>(
+                                static_cast<Long>(glsl::triangleAreaByHeron(o[0], o[1], o[2])) / exact - 1)));
     }
   }
   std::printf("relative error of a needle's area: Kahan %.2g, Heron %.2g\n", worstKahan, worstHeron);
@@ -271,7 +264,7 @@ TEST(Levels, DegenerateViewsGiveValidLevels) {
     EXPECT_TRUE(std::isfinite(m.logAspect));
     EXPECT_LE(std::abs(m.logArea), 100.0f);
     EXPECT_LE(std::abs(m.logAspect), 20.0f);
-    const glsl::uint level = glsl::selectLevel(m, 0.0f, 8, 0, -1.0f);
+    const glsl::uint level = glsl::selectLevel(m, 0.0f, 0.0f, 8, 0, -1.0f);
     EXPECT_LE(glsl::levelWidth(level), 8u);
     EXPECT_LE(glsl::levelHeight(level), glsl::levelWidth(level));
     return level;
@@ -281,9 +274,9 @@ TEST(Levels, DegenerateViewsGiveValidLevels) {
   levelOf({a - middle, b - middle, c - middle, d - middle, a - middle}, 1000.0f);  // on an edge
   const glm::vec3 inside = (a + c) / 2.0f;
   levelOf({a - inside, b - inside, c - inside, d - inside, a - inside}, 1000.0f);  // on the diagonal
-  EXPECT_EQ(levelOf({a, a, a, a, a}, 1000.0f), 0u);          // one point
-  EXPECT_EQ(levelOf({b - b, b - b, b - b, b - b, b - b}, 1000.0f), 0u);  // one point, the eye on it
-  EXPECT_EQ(levelOf({a, b, c, d, a}, 1e30f), 0u);            // overflows to infinity
+  EXPECT_EQ(levelOf({a, a, a, a, a}, 1000.0f), 0u);                                // one point
+  EXPECT_EQ(levelOf({b - b, b - b, b - b, b - b, b - b}, 1000.0f), 0u);            // one point, the eye on it
+  EXPECT_EQ(levelOf({a, b, c, d, a}, 1e30f), 0u);                                  // overflows to infinity
   EXPECT_EQ(levelOf({a, b, c, d, a}, kNan), 0u);
   EXPECT_EQ(levelOf({a * 1e20f, b * 1e20f, c * 1e20f, d * 1e20f, a}, 1000.0f), 0u);
   for (std::size_t corner = 0; corner < 5; ++corner)
@@ -295,27 +288,32 @@ TEST(Levels, DegenerateViewsGiveValidLevels) {
   // A needle of 1e7, areas of 1e-6 and 1e12 pixels.
   EXPECT_EQ(levelOf({a, b, b + glm::vec3(0, 1e-7f, 0), a + glm::vec3(0, 1e-7f, 0), a}, 1e4f),
             glsl::packLevel(3, 0, false));  // 7854 x 0.001 pixels
-  EXPECT_EQ(levelOf({a, a + glm::vec3(1e-6f, 0, 0), a + glm::vec3(1e-6f, 1e-6f, 0), a + glm::vec3(0, 1e-6f, 0), a}, 1e3f), 0u);
+  EXPECT_EQ(
+      levelOf({a, a + glm::vec3(1e-6f, 0, 0), a + glm::vec3(1e-6f, 1e-6f, 0), a + glm::vec3(0, 1e-6f, 0), a},
+              1e3f),
+      0u);
   EXPECT_EQ(levelOf({a, b, c, d, a}, 1e6f), glsl::packLevel(8, 8, false));
   for (const float m : {kNan, kInfinity, -kInfinity}) {
-    EXPECT_EQ(glsl::selectLevel({m, 0.0f}, 0.0f, 8, 0x22u, 0.5f), 0u);
-    EXPECT_EQ(glsl::selectLevel({4.0f, m}, 0.0f, 8, 0x22u, 0.5f), 0u);
-    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, m, 8, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({m, 0.0f}, 0.0f, 0.0f, 8, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({4.0f, m}, 0.0f, 0.0f, 8, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, m, 0.0f, 8, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, 0.0f, m, 8, 0x22u, 0.5f), 0u);
     EXPECT_EQ(glsl::idealTexels({m, 0.0f}, 0.0f, 8), 1u);
   }
 }
 
 TEST(Levels, BiasOfPressure) {
   EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, 1000.0f), 3.0f);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(8100, 0, 100, 1100.0f), 3.0f);  // one-texel patches count on neither side
-  EXPECT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f), 0.0f);           // room to spare
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8100, 0, 100, 1100.0f),
+                  3.0f);                                    // one-texel patches count on neither side
+  EXPECT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f), 0.0f);  // room to spare
   EXPECT_EQ(glsl::pressureBias(0, 0, 0, 1000.0f), 0.0f);
-  EXPECT_EQ(glsl::pressureBias(100, 0, 100, 1000.0f), 0.0f);  // I = d
-  EXPECT_EQ(glsl::pressureBias(99, 0, 100, 1000.0f), 0.0f);   // I < d
+  EXPECT_EQ(glsl::pressureBias(100, 0, 100, 1000.0f), 0.0f);                  // I = d
+  EXPECT_EQ(glsl::pressureBias(99, 0, 100, 1000.0f), 0.0f);                   // I < d
   EXPECT_EQ(glsl::pressureBias(8000, 0, 1000, 1000.0f), glsl::kLargestBias);  // S = d
   EXPECT_EQ(glsl::pressureBias(8000, 0, 2000, 1000.0f), glsl::kLargestBias);  // S < d
   EXPECT_EQ(glsl::pressureBias(8000, 0, 0, kNan), glsl::kLargestBias);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(0, 4, 0, 1024.0f), 24.0f);     // 2^34 texels
+  EXPECT_FLOAT_EQ(glsl::pressureBias(0, 4, 0, 1024.0f), 24.0f);  // 2^34 texels
   // Borrows from the high word: log2((2^32 - 5) / 4086).
   EXPECT_FLOAT_EQ(glsl::pressureBias(5, 1, 10, 4096.0f), 20.003526f);
   // The bias brings ideal areas down to the target.
@@ -335,7 +333,8 @@ TEST(Levels, BiasOfPressure) {
   std::uint64_t ones = 0;
   const std::uint64_t ideal = sum(0.0f, ones);
   const float target = 1e6f;
-  const float bias = glsl::pressureBias(static_cast<glsl::uint>(ideal), 0, static_cast<glsl::uint>(ones), target);
+  const float bias =
+      glsl::pressureBias(static_cast<glsl::uint>(ideal), 0, static_cast<glsl::uint>(ones), target);
   EXPECT_GT(bias, 3.0f);
   EXPECT_NEAR(static_cast<double>(sum(bias, ones)), 1e6, 0.02e6);
 }

@@ -21,11 +21,11 @@ struct Scenario {
   std::uint32_t height = 64;
   std::uint32_t superblockLog2 = 3;
   std::uint32_t patches = 200;
-  double demand = 0.5;       // mean texels wanted by the visible set, as a share of the atlas
-  double appear = 0.1;       // share of the invisible that appear in a frame
-  double disappear = 0.1;    // share of the visible that vanish
-  double change = 0.1;       // share of the visible that change level
-  double emptyFrames = 0.02; // share of the frames that see nothing at all
+  double demand = 0.5;        // mean texels wanted by the visible set, as a share of the atlas
+  double appear = 0.1;        // share of the invisible that appear in a frame
+  double disappear = 0.1;     // share of the visible that vanish
+  double change = 0.1;        // share of the visible that change level
+  double emptyFrames = 0.02;  // share of the frames that see nothing at all
 };
 
 inline void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.name; }
@@ -40,7 +40,12 @@ inline std::vector<Scenario> scenarios() {
       {.name = "all flip", .demand = 0.3, .appear = 0.5, .disappear = 0.5, .change = 1.0},
       {.name = "tiny superblocks", .width = 32, .height = 32, .superblockLog2 = 1, .patches = 300},
       {.name = "crowd", .width = 512, .height = 512, .superblockLog2 = 6, .patches = 20000, .demand = 0.4},
-      {.name = "large superblocks", .width = 256, .height = 192, .superblockLog2 = 6, .patches = 400, .demand = 0.3},
+      {.name = "large superblocks",
+       .width = 256,
+       .height = 192,
+       .superblockLog2 = 6,
+       .patches = 400,
+       .demand = 0.3},
   };
 }
 
@@ -79,7 +84,8 @@ class FrameStream {
  private:
   bool chance(double share) { return std::uniform_real_distribution<double>(0.0, 1.0)(random_) < share; }
 
-  // Areas spread over two powers of two about the mean, aspects over all that the area allows; some single texels.
+  // Areas spread over two powers of two about the mean, aspects over all that the area allows; some single
+  // texels.
   void draw(MemoryTwin::Want& want) {
     const int most = 2 * static_cast<int>(scenario_.superblockLog2);
     const double spread = std::uniform_real_distribution<double>(-2.5, 1.5)(random_);

@@ -136,7 +136,7 @@ void checkSound(const Scene& before, const Scene& after, const SubdivideReport& 
   ASSERT_NEAR(worldArea(after), worldArea(before), 1e-5 * worldArea(before));
 }
 
-// No edge longer than the limit but diagonals of parallelograms, of which a triangle has one at most and
+// No edge longer than the limit but diagonals of quads, of which a triangle has one at most and
 // shares it.
 void checkLengths(const Scene& scene, double maxEdge) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> diagonals;
@@ -226,6 +226,47 @@ TEST(Subdivide, BoxesStayClosedAcrossSeamsAndPrimitives) {
       }
     }
   }
+}
+
+// Sides that are equal but for rounding, and a limit between them: one is split and the other is not.
+TEST(Subdivide, RoundingDividesParallelSides) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int round = 0; round < 100; ++round) {
+    const Builder straight = box({4.0f, 2.0f, 3.0f}, true);
+    const glm::dmat3 turn(
+        glm::mat3_cast(glm::normalize(glm::dquat(any(random), any(random), any(random), any(random)))));
+    Builder b;
+    std::uint32_t index = 0;
+    for (std::size_t p = 0; p < straight.scene.primitives.size(); ++p) {
+      b.beginPrimitive();
+      for (int k = 0; k < 4; ++k)
+        b.vertex(glm::vec3(turn * glm::dvec3(straight.scene.vertices.position[4 * p + k])));
+      for (int k = 0; k < 2; ++k, index += 3)
+        b.triangle(straight.scene.indices[index], straight.scene.indices[index + 1],
+                   straight.scene.indices[index + 2]);
+    }
+    for (const double maxEdge : {0.25, 1.0, 2.0}) {
+      Scene scene = b.scene;
+      const SubdivideReport report = splitLongEdges(scene, limit(scene, maxEdge));
+      checkSound(b.scene, scene, report);
+      ASSERT_TRUE(openEdges(scene).empty());
+      checkLengths(scene, report.maxEdge);
+    }
+  }
+}
+
+// A long needle is cut into strips: about two triangles a step of the limit.
+TEST(Subdivide, NeedlesBecomeStrips) {
+  Builder b;
+  b.beginPrimitive();
+  b.triangle(b.vertex({0, 0, 0}), b.vertex({100, 0, 0}), b.vertex({100, 0.5f, 0}));
+  Scene scene = b.scene;
+  const SubdivideReport report = splitLongEdges(scene, limit(scene, 1.6));
+  checkSound(b.scene, scene, report);
+  checkLengths(scene, report.maxEdge);
+  EXPECT_EQ(junctions(scene), 0u);
+  EXPECT_EQ(triangleCount(scene), 127u);  // 64 columns, the first of one triangle
 }
 
 // A closed surface of odd triangles, without any shared vertices, dealt to two primitives.

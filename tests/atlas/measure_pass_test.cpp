@@ -1,0 +1,355 @@
+// The measuring pass, and the bias that follows from it, on scenes of random patches.
+#include <cmath>
+#include <cstddef>
+#include <random>
+
+#include "atlas/rect/memory.hpp"
+#include "glsl/shared/bindings.h"
+#include "glsl/shared/scene.h"
+#include "tests/atlas/measure_reference.hpp"
+#include "tests/gl_test.hpp"
+
+namespace tessera {
+namespace {
+
+/// Instances of one random primitive of pairs, triples and singles, all visible, seen from `views`.
+struct PatchScene {
+  PatchScene(std::uint32_t pairs, std::uint32_t triples, std::uint32_t singles, std::uint32_t instanceCount,
+             float size)
+      : patchCount((pairs + triples + singles) * instanceCount) {
+    std::mt19937 random(11);
+    std::normal_distribution<float> normal;
+    const std::uint32_t each = pairs + triples + singles;
+    for (std::uint32_t p = 0; p < each; ++p) {
+      const glm::vec3 center = glm::vec3(normal(random), normal(random), normal(random)) * 10.0f;
+      const std::uint32_t first = static_cast<std::uint32_t>(positions.size() / 3);
+      const std::uint32_t triangles = p < pairs ? 2 : p < pairs + triples ? 3 : 1;
+      for (std::uint32_t v = 0; v < triangles + 2; ++v) {
+        const glm::vec3 corner = center + glm::vec3(normal(random), normal(random), normal(random)) * size;
+        positions.insert(positions.end(), {corner.x, corner.y, corner.z});
+      }
+      patches.push_back({first, first + 1, first + 2, triangles > 1 ? first + 3 : first + 1,
+                         triangles > 2 ? first + 4 : first, triangles});
+    }
+    for (std::uint32_t i = 0; i < instanceCount; ++i) {
+      glsl::InstanceGpu instance{};
+      const auto row = [&] {
+        return glm::vec4(normal(random), normal(random), normal(random), 5 * normal(random));
+      };
+      instance.row0 = row();
+      instance.row1 = row();
+      instance.row2 = row();
+      instance.patchBase = i * each;
+      instance.pairs = pairs;
+      instance.triples = triples;
+      instance.singles = singles;
+      instances.push_back(instance);
+      for (std::uint32_t p = 0; p < each; ++p) instanceOf.push_back(i);
+    }
+  }
+
+  /// Uploads, binds, and makes the given share of the patches visible.
+  void upload(const std::vector<glsl::ViewGpu>& views, std::uint32_t visibleCount) {
+    std::vector<glsl::ViewGpu> padded = views;
+    padded.resize(RECT_VIEWS);
+    std::vector<std::uint32_t> list = {visibleCount};
+    for (std::uint32_t i = 0; i < visibleCount; ++i) list.push_back(patchCount - 1 - i);
+    const std::vector<std::uint32_t> marks(patchCount, 1u);
+    const std::vector<std::uint32_t> groups = {(visibleCount + RECT_GROUP - 1) / RECT_GROUP, 1, 1};
+    buffers.clear();
+    const auto add = [&](auto values, GLuint binding) {
+      buffers.emplace_back(values);
+      buffers.back().bindStorage(binding);
+    };
+    add(positions, BIND_POSITIONS);
+    add(instances, BIND_INSTANCES);
+    add(patches, BIND_PATCHES);
+    add(instanceOf, BIND_PATCH_INSTANCE);
+    add(list, BIND_VISIBLE);
+    add(marks, BIND_VISIBLE_MARK);
+    buffers.emplace_back(padded);
+    buffers.back().bindUniform(BIND_VIEWS);
+    dispatch = gl::Buffer(groups);
+    visible.assign(list.begin() + 1, list.end());
+  }
+
+  [[nodiscard]] test::Reference expected(std::uint32_t patch, const glsl::ViewGpu& view,
+                                         float& rounding) const {
+    const glsl::InstanceGpu& instance = instances[instanceOf[patch]];
+    const glsl::PatchGeometry& g = patches[patch - instance.patchBase];
+    const auto corner = [&](std::uint32_t v) {
+      return glsl::transformPoint(instance, {positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]}) -
+             glm::vec3(view.eye);
+    };
+    const test::Corners v = {corner(g.v0), corner(g.v1), corner(g.v2), corner(g.v3), corner(g.v4)};
+    float shortest = 1e9f;
+    for (std::size_t i = 0; i < 5; ++i)
+      for (std::size_t k = 0; k < i; ++k)
+        if (v[i] != v[k]) shortest = std::min(shortest, glm::distance(v[i], v[k]));
+    // A driver may fuse the products of the transformation, which moves a corner by an ulp or two of
+    // coordinates of up to 64.
+    rounding = 3e-7f + 4.0f * 64.0f / 16777216.0f / shortest;
+    return test::referenceMeasure(v, g.triangles, static_cast<test::Long>(view.eye.w));
+  }
+
+  std::uint32_t patchCount;
+  std::vector<float> positions;
+  std::vector<glsl::PatchGeometry> patches;
+  std::vector<glsl::InstanceGpu> instances;
+  std::vector<std::uint32_t> instanceOf;
+  std::vector<std::uint32_t> visible;
+  std::vector<gl::Buffer> buffers;
+  gl::Buffer dispatch;
+};
+
+glsl::ViewGpu viewFrom(float x, float y, float z, float pixelsPerRadian) {
+  return {glm::mat4(1.0f), glm::vec4(x, y, z, pixelsPerRadian)};
+}
+
+class MeasurePass : public test::GlTest {
+ protected:
+  MeasurePass() : programs(test::context()) {}
+  RectMemory make(const RectMemoryOptions& options, std::uint32_t patches) {
+    auto made = RectMemory::create(programs, options, patches);
+    EXPECT_TRUE(made) << made.error().message;
+    return std::move(*made);
+  }
+  gl::ProgramCache programs;
+};
+
+TEST_F(MeasurePass, IsTheSharedFormula) {
+  PatchScene scene(300, 200, 100, 5, 0.3f);
+  const std::vector<glsl::ViewGpu> views = {viewFrom(0, 0, 30, 900), viewFrom(0.5f, 0, 30, 900),
+                                            viewFrom(-40, 5, 0, 500)};
+  for (const std::uint32_t viewCount : {1u, 3u}) {
+    scene.upload(views, scene.patchCount - 7);
+    RectMemory memory = make({}, scene.patchCount);
+    memory.measure(scene.dispatch, 1, viewCount);
+    gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    const auto measures = memory.measures().readAll<glsl::PatchMeasure>(scene.visible.size());
+    const glsl::AtlasState state = memory.readState();
+    test::Long worst = 0;
+    std::size_t compared = 0;
+    std::uint64_t ideal = 0;
+    std::uint32_t ones = 0;
+    for (std::size_t i = 0; i < measures.size(); ++i) {
+      const glsl::uint texels = glsl::idealTexels(measures[i], 0.0f, 8);
+      ideal += texels;
+      ones += texels == 1 ? 1 : 0;
+      float rounding = 0.0f;  // relative, of the edges' lengths
+      test::Reference best = scene.expected(scene.visible[i], views[0], rounding);
+      for (std::uint32_t v = 1; v < viewCount; ++v) {
+        const test::Reference other = scene.expected(scene.visible[i], views[v], rounding);
+        if (other.logArea > best.logArea) best = other;
+      }
+      // Flat triangles multiply the rounding of their edges.
+      if (!(best.condition < 1e4L)) continue;
+      ++compared;
+      const test::Long error = std::abs(static_cast<test::Long>(measures[i].logArea) - best.logArea);
+      ASSERT_LE(error, 2e-5L + 3 * static_cast<test::Long>(rounding) * best.condition)
+          << "patch " << scene.visible[i];
+      if (viewCount == 1) {
+        // GLSL allows log2 three units in the last place, and an aspect is the difference of two of some -17.
+        ASSERT_NEAR(measures[i].logAspect, static_cast<float>(best.logAspect), 3e-5f + 3.0f * rounding);
+      }
+      if (best.condition < 100) worst = std::max(worst, error);
+    }
+    EXPECT_GT(compared, measures.size() * 9 / 10);
+    std::printf("%u views: largest error of log2 area, well-conditioned: %.2g\n", viewCount,
+                static_cast<double>(worst));
+    const std::uint64_t summed = (std::uint64_t{state.idealHigh} << 32) + state.idealLow;
+    EXPECT_NEAR(static_cast<double>(summed), static_cast<double>(ideal),
+                1e-5 * static_cast<double>(ideal) + 2.0);
+    EXPECT_NEAR(state.ones, ones, 2.0);
+    EXPECT_GT(ones, 0u);
+  }
+}
+
+TEST_F(MeasurePass, TheIdealAreaPasses32Bits) {
+  // 70000 patches of 2^20 texels each: 2^36.
+  PatchScene scene(70000, 0, 0, 1, 5.0f);
+  scene.upload({viewFrom(0, 0, 1, 1e9f)}, scene.patchCount);
+  RectMemoryOptions options;
+  options.superblockLog2 = 10;
+  RectMemory memory = make(options, scene.patchCount);
+  memory.measure(scene.dispatch, 1, 1);
+  const glsl::AtlasState state = memory.readState();
+  EXPECT_EQ((std::uint64_t{state.idealHigh} << 32) + state.idealLow, std::uint64_t{70000} << 20);
+  memory.allocate(scene.dispatch, 1);
+  const RectStatistics statistics = memory.readStatistics();
+  EXPECT_NEAR(statistics.bias, std::log2(70000.0 * 1048576.0 / (0.75 * 4096 * 2048)), 1e-3);
+  EXPECT_EQ(statistics.failures, 0u);
+}
+
+TEST_F(MeasurePass, NothingVisible) {
+  PatchScene scene(10, 0, 0, 1, 1.0f);
+  scene.upload({viewFrom(0, 0, 30, 900)}, 0);
+  RectMemory memory = make({}, scene.patchCount);
+  for (int frame = 0; frame < 3; ++frame) {
+    memory.measure(scene.dispatch, 1, 1);
+    memory.allocate(scene.dispatch, 1);
+  }
+  const RectStatistics statistics = memory.readStatistics();
+  EXPECT_EQ(statistics.visiblePatches, 0u);
+  EXPECT_EQ(statistics.samples, 0u);
+  EXPECT_EQ(statistics.bias, 0.0f);
+  EXPECT_EQ(statistics.frames, 3u);
+  EXPECT_TRUE(checkPartition(memory.readSnapshot()));
+}
+
+TEST_F(MeasurePass, PressureBringsDemandIntoTheAtlas) {
+  PatchScene scene(4000, 500, 500, 4, 0.5f);
+  RectMemoryOptions options;
+  options.width = options.height = 512;
+  options.superblockLog2 = 6;
+  RectMemory memory = make(options, scene.patchCount);
+  std::uint32_t lateFailures = 0;
+  std::uint32_t lateResets = 0;
+  float wanted = 0.0f;
+  for (std::uint32_t frame = 1; frame <= 60; ++frame) {
+    // The camera turns about and comes near: ten times and more of what the atlas holds.
+    const float turn = 0.02f * static_cast<float>(frame);
+    scene.upload({viewFrom(60 * std::sin(turn), 3, 60 * std::cos(turn), 2500)},
+                 scene.patchCount - 100 * frame);
+    memory.measure(scene.dispatch, 1, 1);
+    const glsl::AtlasState measured = memory.readState();
+    wanted = static_cast<float>(measured.idealLow) / (512.0f * 512.0f);
+    memory.allocate(scene.dispatch, 1);
+    const RectStatistics statistics = memory.readStatistics();
+    EXPECT_LE(statistics.liveTexels, 512u * 512u);
+    if (frame <= 20) continue;
+    lateFailures += statistics.failures;
+    lateResets = statistics.resets - lateResets;
+    EXPECT_GT(statistics.liveTexels, 512u * 512u / 4) << "the bias leaves most of the atlas empty";
+  }
+  const RectStatistics statistics = memory.readStatistics();
+  std::printf(
+      "demand %.1f atlases: bias %.2f, live %.2f, target %.2f, resets %u, failures after frame 20: %u\n",
+      static_cast<double>(wanted), static_cast<double>(statistics.bias),
+      static_cast<double>(statistics.liveTexels) / (512.0 * 512.0),
+      static_cast<double>(statistics.target) / (512.0 * 512.0), statistics.resets, lateFailures);
+  EXPECT_GT(wanted, 5.0f);
+  EXPECT_LT(lateFailures, 40u * scene.patchCount / 100);
+  EXPECT_TRUE(checkPartition(memory.readSnapshot()));
+  // Without the bias the same demand cannot be met.
+  options.pressureBias = false;
+  RectMemory without = make(options, scene.patchCount);
+  without.measure(scene.dispatch, 1, 1);
+  without.allocate(scene.dispatch, 1);
+  EXPECT_GT(without.readStatistics().failures, scene.patchCount / 4);
+}
+
+TEST_F(MeasurePass, ConstantBiasHalvesTexels) {
+  PatchScene scene(5000, 0, 0, 1, 0.3f);
+  scene.upload({viewFrom(0, 0, 60, 900)}, scene.patchCount);
+  RectMemoryOptions options;
+  options.pressureBias = false;
+  RectMemory memory = make(options, scene.patchCount);
+  const auto samples = [&](float bias) {
+    memory.setBias(bias);
+    memory.reset();
+    memory.measure(scene.dispatch, 1, 1);
+    memory.allocate(scene.dispatch, 1);
+    EXPECT_EQ(memory.readStatistics().failures, 0u);
+    EXPECT_EQ(memory.readStatistics().bias, bias);
+    return static_cast<double>(memory.readStatistics().samples);
+  };
+  const double native = samples(0.0f);
+  EXPECT_NEAR(samples(-2.0f) / native, 4.0, 0.15);
+  EXPECT_NEAR(samples(1.0f) / native, 0.5, 0.03);
+}
+
+/// Offsets of a member as the driver lays the block out.
+GLint offsetOf(GLuint program, const char* name) {
+  const GLuint index = gl::api().GetProgramResourceIndex(program, GL_BUFFER_VARIABLE, name);
+  if (index == GL_INVALID_INDEX) return -1;
+  const GLenum property = GL_OFFSET;
+  GLint value = -1;
+  gl::api().GetProgramResourceiv(program, GL_BUFFER_VARIABLE, index, 1, &property, 1, nullptr, &value);
+  return value;
+}
+
+TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
+  auto found = programs.get({"pass/rect_plan.comp"});
+  ASSERT_TRUE(found);
+  GLuint program = (*found)->get();
+#define EXPECT_MEMBER(member) \
+  EXPECT_EQ(offsetOf(program, "atlas." #member), static_cast<GLint>(offsetof(glsl::AtlasState, member)))
+#define EXPECT_CONFIG(member)                           \
+  EXPECT_EQ(offsetOf(program, "atlas.config." #member), \
+            static_cast<GLint>(offsetof(glsl::AtlasState, config) + offsetof(glsl::AtlasConfig, member)))
+#define EXPECT_LEVEL(member)                               \
+  EXPECT_EQ(offsetOf(program, "atlas.levels[0]." #member), \
+            static_cast<GLint>(offsetof(glsl::AtlasState, levels) + offsetof(glsl::LevelState, member)))
+#define EXPECT_WIDTH(member)                               \
+  EXPECT_EQ(offsetOf(program, "atlas.widths[0]." #member), \
+            static_cast<GLint>(offsetof(glsl::AtlasState, widths) + offsetof(glsl::WidthState, member)))
+  EXPECT_CONFIG(width);
+  EXPECT_CONFIG(height);
+  EXPECT_CONFIG(superblockLog2);
+  EXPECT_CONFIG(superblocks);
+  EXPECT_CONFIG(patchInstances);
+  EXPECT_CONFIG(pressure);
+  EXPECT_CONFIG(constantBias);
+  EXPECT_CONFIG(hysteresis);
+  EXPECT_CONFIG(highWater);
+  EXPECT_CONFIG(targetLargest);
+  EXPECT_CONFIG(targetSmallest);
+  EXPECT_CONFIG(targetCut);
+  EXPECT_CONFIG(targetGrowth);
+  EXPECT_MEMBER(requestGroupsX);
+  EXPECT_MEMBER(requestGroupsY);
+  EXPECT_MEMBER(requestGroupsZ);
+  EXPECT_MEMBER(epoch);
+  EXPECT_MEMBER(superblocksUsed);
+  EXPECT_MEMBER(idealLow);
+  EXPECT_MEMBER(idealHigh);
+  EXPECT_MEMBER(ones);
+  EXPECT_MEMBER(pressureBias);
+  EXPECT_MEMBER(target);
+  EXPECT_MEMBER(cutTexels);
+  EXPECT_MEMBER(failures);
+  EXPECT_MEMBER(visible);
+  EXPECT_MEMBER(liveTexels);
+  EXPECT_MEMBER(records);
+  EXPECT_MEMBER(resets);
+  EXPECT_MEMBER(frames);
+  EXPECT_MEMBER(sinceReset);
+  EXPECT_MEMBER(resetWait);
+  EXPECT_LEVEL(stackCount);
+  EXPECT_LEVEL(requested);
+  EXPECT_LEVEL(slotOffset);
+  EXPECT_LEVEL(slotCount);
+  EXPECT_LEVEL(existing);
+  EXPECT_LEVEL(stackBase);
+  EXPECT_LEVEL(stackCapacity);
+  EXPECT_LEVEL(lastRequested);
+  EXPECT_WIDTH(carryOffset);
+  EXPECT_WIDTH(carrySuperblock);
+  EXPECT_WIDTH(firstPopped);
+  EXPECT_WIDTH(popped);
+  EXPECT_WIDTH(sourceSuperblock);
+  const auto strideOf = [&](const char* name) {
+    const GLuint index = gl::api().GetProgramResourceIndex(program, GL_BUFFER_VARIABLE, name);
+    const GLenum property = GL_TOP_LEVEL_ARRAY_STRIDE;
+    GLint value = -1;
+    if (index != GL_INVALID_INDEX)
+      gl::api().GetProgramResourceiv(program, GL_BUFFER_VARIABLE, index, 1, &property, 1, nullptr, &value);
+    return value;
+  };
+  auto assign = programs.get({"pass/rect_assign.comp"});
+  ASSERT_TRUE(assign);
+  program = (*assign)->get();
+  EXPECT_EQ(strideOf("patchStates[0].origin"), static_cast<GLint>(sizeof(glsl::PatchState)));
+  EXPECT_EQ(offsetOf(program, "patchStates[0].level"), static_cast<GLint>(offsetof(glsl::PatchState, level)));
+  EXPECT_EQ(offsetOf(program, "patchStates[0].epoch"), static_cast<GLint>(offsetof(glsl::PatchState, epoch)));
+  auto measure = programs.get({"pass/rect_measure.comp"});
+  ASSERT_TRUE(measure);
+  program = (*measure)->get();
+  EXPECT_EQ(strideOf("measures[0].logArea"), static_cast<GLint>(sizeof(glsl::PatchMeasure)));
+  EXPECT_EQ(strideOf("patches[0].v0"), static_cast<GLint>(sizeof(glsl::PatchGeometry)));
+  EXPECT_EQ(strideOf("instances[0].row0"), static_cast<GLint>(sizeof(glsl::InstanceGpu)));
+}
+
+}  // namespace
+}  // namespace tessera

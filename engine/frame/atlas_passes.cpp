@@ -79,14 +79,12 @@ void Engine::display(const View& view, DisplayMode mode) {
   const float halfX = 0.5f / static_cast<float>(s.atlas->texture().width());
   const float halfY = 0.5f / static_cast<float>(s.atlas->texture().height());
   s.atlas->displayTexture().bind(UNIT_ATLAS);
-  gl::api().BindSampler(UNIT_ATLAS, 0);
   const bool linear = s.atlas->format() == AtlasFormat::Rgba16f;
 
   if (mode == DisplayMode::Deferred && s.deferred != nullptr) {
     s.pass("display-deferred", [&] {
       s.deferred->use();
       s.id.ids.bind(UNIT_ID);
-      gl::api().BindSampler(UNIT_ID, 0);
       gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
       setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
       const glm::mat3 rays(pixelToRay(view));

@@ -110,10 +110,7 @@ void Engine::State::bindScene() {
   if (shadowBuffer) shadowBuffer.bindUniform(BIND_SHADOWS);
   frameBuffer.bindUniform(BIND_FRAME);
   viewBuffer.bindUniform(BIND_VIEWS);
-  if (shadowMap) {
-    shadowMap.bind(UNIT_SHADOW);
-    gl::api().BindSampler(UNIT_SHADOW, 0);
-  }
+  if (shadowMap) shadowMap.bind(UNIT_SHADOW);
 }
 
 void Engine::State::setViews(std::span<const View> views) {

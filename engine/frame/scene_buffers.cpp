@@ -83,7 +83,6 @@ class TextureUploader {
     const Image& pixels = scene_.images[image].image;
     const int levels = std::bit_width(static_cast<unsigned>(std::max(pixels.width, pixels.height)));
     gl::Texture texture(srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, pixels.width, pixels.height, levels);
-    gl::api().PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     texture.upload(0, GL_RGBA, GL_UNSIGNED_BYTE, pixels.pixels.data());
     gl::api().GenerateTextureMipmap(texture.get());
     buffers_.textureBytes += texture.bytes();

@@ -28,31 +28,7 @@ GLenum functionOf(DepthTest test) {
 
 void apply(const DrawState& state) {
   const GladGLContext& gl = api();
-  for (const GLenum off : {GL_SCISSOR_TEST,
-                           GL_STENCIL_TEST,
-                           GL_RASTERIZER_DISCARD,
-                           GL_DEPTH_CLAMP,
-                           GL_PRIMITIVE_RESTART,
-                           GL_PRIMITIVE_RESTART_FIXED_INDEX,
-                           GL_SAMPLE_ALPHA_TO_COVERAGE,
-                           GL_SAMPLE_ALPHA_TO_ONE,
-                           GL_SAMPLE_COVERAGE,
-                           GL_SAMPLE_MASK,
-                           GL_SAMPLE_SHADING,
-                           GL_COLOR_LOGIC_OP,
-                           GL_POLYGON_SMOOTH,
-                           GL_DITHER,
-                           GL_POLYGON_OFFSET_LINE,
-                           GL_POLYGON_OFFSET_POINT,
-                           GL_CLIP_DISTANCE0,
-                           GL_CLIP_DISTANCE1,
-                           GL_CLIP_DISTANCE2,
-                           GL_CLIP_DISTANCE3,
-                           GL_CLIP_DISTANCE4,
-                           GL_CLIP_DISTANCE5,
-                           GL_CLIP_DISTANCE6,
-                           GL_CLIP_DISTANCE7})
-    gl.Disable(off);
+  for (const GLenum off : kAlwaysOff) gl.Disable(off);
   gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl.DepthRange(0.0, 1.0);
   gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);

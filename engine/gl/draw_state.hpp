@@ -1,6 +1,7 @@
 // Fixed-function state of a pass, set in full: nothing is assumed of what a host left behind.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <glad/gl.h>
@@ -18,6 +19,38 @@ struct DrawState {
   bool encodeSrgb = false;    // writes to an sRGB target are encoded
   float offsetFactor = 0.0f;  // polygon offset; both 0 = off
   float offsetUnits = 0.0f;
+};
+
+/// Switches that no pass of the engine wants.
+inline constexpr std::array<GLenum, 24> kAlwaysOff = {
+    GL_SCISSOR_TEST,
+    GL_STENCIL_TEST,
+    GL_RASTERIZER_DISCARD,
+    GL_DEPTH_CLAMP,
+    GL_PRIMITIVE_RESTART,
+    GL_PRIMITIVE_RESTART_FIXED_INDEX,
+    GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_ALPHA_TO_ONE,
+    GL_SAMPLE_COVERAGE,
+    GL_SAMPLE_MASK,
+    GL_SAMPLE_SHADING,
+    GL_COLOR_LOGIC_OP,
+    GL_POLYGON_SMOOTH,
+    GL_DITHER,
+    GL_POLYGON_OFFSET_LINE,
+    GL_POLYGON_OFFSET_POINT,
+    GL_CLIP_DISTANCE0,
+    GL_CLIP_DISTANCE1,
+    GL_CLIP_DISTANCE2,
+    GL_CLIP_DISTANCE3,
+    GL_CLIP_DISTANCE4,
+    GL_CLIP_DISTANCE5,
+    GL_CLIP_DISTANCE6,
+    GL_CLIP_DISTANCE7,
+};
+/// Switches that follow from DrawState.
+inline constexpr std::array<GLenum, 5> kPerPassEnables = {
+    GL_DEPTH_TEST, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_POLYGON_OFFSET_FILL, GL_CULL_FACE,
 };
 
 /// Sets every piece of state that a draw of the engine depends on: the above, and to their defaults scissor,

@@ -125,11 +125,22 @@ std::size_t Texture::bytes() const {
   return texels * static_cast<std::size_t>(std::max(layers_, 1)) * bytesPerTexel(format_);
 }
 
-void Texture::bind(GLuint unit) const { api().BindTextureUnit(unit, name_.get()); }
+void Texture::bind(GLuint unit) const {
+  api().BindTextureUnit(unit, name_.get());
+  // A sampler that was left on the unit would override the texture's own parameters.
+  api().BindSampler(unit, 0);
+}
 void Texture::set(GLenum parameter, GLint value) { api().TextureParameteri(name_.get(), parameter, value); }
 
 void Texture::upload(int level, GLenum format, GLenum type, const void* pixels) {
   assert(layers_ == 0);
+  // The host may have left odd pixel-store state; pixels are tightly packed.
+  for (const GLenum parameter :
+       {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_IMAGE_HEIGHT,
+        GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST})
+    api().PixelStorei(parameter, 0);
+  api().PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  api().BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   api().TextureSubImage2D(name_.get(), level, 0, 0, std::max(width_ >> level, 1),
                           std::max(height_ >> level, 1), format, type, pixels);
 }

@@ -34,12 +34,15 @@
 
 #define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
 
+#define BIND_STORAGE_COUNT 25   // of the above
+
 // Uniform buffers
 #define BIND_VIEWS 0
 #define BIND_FRAME 1
 #define BIND_LIGHTS 2    // LightGpu[kMaxLights]
 #define BIND_SHADOWS 3   // ShadowGpu[kMaxShadowLayers]
 #define BIND_MATERIAL 4  // one MaterialGpu
+#define BIND_UNIFORM_COUNT 5
 
 // Texture units
 #define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu
@@ -47,6 +50,7 @@
 #define UNIT_ATLAS 6
 #define UNIT_ID 7
 #define UNIT_DEPTH 8
+#define UNIT_COUNT 9
 
 // Uniform locations
 #define LOCATION_VIEW 1

@@ -233,18 +233,6 @@ gl::TimerMode Engine::timerMode() const { return gl::timerModeFor(s_->context->i
 std::uint64_t Engine::fragments() const { return s_->fragments; }
 std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 
-std::uint64_t Engine::visibleTriangles() const {
-  std::uint64_t triangles = 0;
-  if (!s_->visible) return triangles;
-  const DrawScene& draw = s_->draw;
-  for (const std::uint32_t patch : s_->visible->read()) {
-    const std::uint32_t instance = draw.instanceOfPatch[patch];
-    const std::uint32_t offset = draw.patchOffset[draw.instances[instance].primitive];
-    triangles += draw.patches[offset + patch - draw.patchBase[instance]].triangles;
-  }
-  return triangles;
-}
-
 std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   const State& s = *s_;
   std::size_t targets = 0;

@@ -172,6 +172,8 @@ std::string methodTable(const ReportScene& scene) {
                 timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
                 timingRow("Display", "ms", &ReportMethod::displayMs),
                 {"Shading per sample", "ns", [](const ReportMethod& m) { return duration(m.nsPerSample); }},
+                {"Shading per sample that passed depth", "ns",
+                 [](const ReportMethod& m) { return duration(m.nsPerPassed); }},
                 {"Shading per sample against forward", "",
                  [=](const ReportMethod& m) { return ratio(m.nsPerSample, forwardSample); }}});
   out += group(scene, "Time of each pass, median, ms", passRows(scene));

@@ -232,8 +232,8 @@ class SceneComparison {
       draw(method, timed);
       runs.push_back(engine_.times());
     }
-    // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the rasterizer
-    // runs besides (some count the unlit lanes of its 2 x 2 quads).
+    // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the
+    // rasterizer runs besides (some count the unlit lanes of its 2 x 2 quads).
     const std::uint64_t shaded = method.usesAtlas() && engine_.atlas() != nullptr
                                      ? engine_.atlas()->memory().readStatistics().samples
                                      : engine_.fragments();

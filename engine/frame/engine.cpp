@@ -33,8 +33,8 @@ Result<void> checkLights(const Scene& scene, const Stage* stage) {
   if (lights.size() > glsl::kMaxLights)
     return fail("{}: {} lights are past the limit of {}", scene.file, lights.size(), glsl::kMaxLights);
   if (layers > glsl::kMaxShadowLayers)
-    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}", scene.file, layers,
-                glsl::kMaxShadowLayers);
+    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}",
+                scene.file, layers, glsl::kMaxShadowLayers);
   return {};
 }
 
@@ -60,7 +60,8 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
-  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits) return tl::unexpected(fits.error());
+  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits)
+    return tl::unexpected(fits.error());
   say("splitting long edges");
   if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
   s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);

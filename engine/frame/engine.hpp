@@ -108,7 +108,8 @@ class Engine {
   [[nodiscard]] std::uint64_t fragments() const;
   /// Samples of the same draws that passed the depth test: what early depth testing leaves to be shaded.
   [[nodiscard]] std::uint64_t samplesPassed() const;
-  /// Of the samples that the last place() allocated, those of patches with a corner outside the view; blocking readback.
+  /// Of the samples that the last place() allocated, those of patches with a corner outside the view;
+  /// blocking readback.
   [[nodiscard]] std::uint64_t samplesPartlyInView(const View& view) const;
   /// Sum of triangles over the visible patches; blocking readback.
   [[nodiscard]] std::uint64_t visibleTriangles() const;

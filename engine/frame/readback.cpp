@@ -26,7 +26,8 @@ std::uint64_t Engine::visibleTriangles() const {
   std::uint64_t triangles = 0;
   if (!s_->visible) return triangles;
   const auto guard = s_->guard();
-  for (const std::uint32_t patch : s_->visible->read()) triangles += placeOf(s_->draw, patch).geometry.triangles;
+  for (const std::uint32_t patch : s_->visible->read())
+    triangles += placeOf(s_->draw, patch).geometry.triangles;
   return triangles;
 }
 
@@ -42,7 +43,8 @@ std::uint64_t Engine::samplesPartlyInView(const View& view) const {
     const glsl::PatchGeometry& g = place.geometry;
     const bool leaves = [&] {
       for (const std::uint32_t vertex : {g.v0, g.v1, g.v2, g.v3, g.v4}) {
-        const glm::dvec4 world = s.now.world[place.instance.node] * glm::dvec4(s.scene.vertices.position[vertex], 1.0);
+        const glm::dvec4 world =
+            s.now.world[place.instance.node] * glm::dvec4(s.scene.vertices.position[vertex], 1.0);
         const glm::dvec4 clip = toClip * world;
         if (clip.w <= 0.0 || std::max(std::abs(clip.x), std::abs(clip.y)) > clip.w) return true;
       }

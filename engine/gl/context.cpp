@@ -9,6 +9,8 @@
 #include <EGL/eglext.h>
 #include <GL/osmesa.h>
 
+#include "engine/gl/draw_state.hpp"
+
 namespace tessera::gl {
 
 namespace {
@@ -234,6 +236,7 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
     gl.DebugMessageCallback(&onDebugMessage, errors_.get());
   }
   current = &functions_;
+  if (backend != Backend::Host) applyClientTransfers();
   return {};
 }
 

@@ -46,6 +46,13 @@ void apply(const DrawState& state) {
   applyCulling(state.cullBack, state.mirrored);
 }
 
+void applyClientTransfers() {
+  for (const GLenum parameter : kPixelStore)
+    api().PixelStorei(parameter, parameter == GL_PACK_ALIGNMENT || parameter == GL_UNPACK_ALIGNMENT ? 1 : 0);
+  for (const GLenum target : {GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER, GL_QUERY_BUFFER})
+    api().BindBuffer(target, 0);
+}
+
 void applyCulling(bool cullBack, bool mirrored) {
   enable(GL_CULL_FACE, cullBack);
   api().CullFace(GL_BACK);

@@ -134,13 +134,6 @@ void Texture::set(GLenum parameter, GLint value) { api().TextureParameteri(name_
 
 void Texture::upload(int level, GLenum format, GLenum type, const void* pixels) {
   assert(layers_ == 0);
-  // The host may have left odd pixel-store state; pixels are tightly packed.
-  for (const GLenum parameter :
-       {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_IMAGE_HEIGHT,
-        GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES, GL_UNPACK_LSB_FIRST})
-    api().PixelStorei(parameter, 0);
-  api().PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  api().BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   api().TextureSubImage2D(name_.get(), level, 0, 0, std::max(width_ >> level, 1),
                           std::max(height_ >> level, 1), format, type, pixels);
 }
@@ -215,13 +208,6 @@ std::vector<std::uint8_t> readTexture(const Texture& texture, GLenum format, GLe
   std::vector<std::uint8_t> pixels(width * height * static_cast<std::size_t>(std::max(texture.layers(), 1)) *
                                    bytesPerPixel);
   api().MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
-  // The host may have left odd pixel-store state; readback is tightly packed.
-  for (const GLenum parameter :
-       {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_IMAGES,
-        GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST})
-    api().PixelStorei(parameter, 0);
-  api().PixelStorei(GL_PACK_ALIGNMENT, 1);
-  api().BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   api().GetTextureImage(texture.get(), level, format, type, static_cast<GLsizei>(pixels.size()),
                         pixels.data());
   return pixels;

@@ -23,6 +23,7 @@ constexpr std::array kBuffers = {
     Binding{GL_DISPATCH_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER_BINDING},
     Binding{GL_PIXEL_PACK_BUFFER, GL_PIXEL_PACK_BUFFER_BINDING},
     Binding{GL_PIXEL_UNPACK_BUFFER, GL_PIXEL_UNPACK_BUFFER_BINDING},
+    Binding{GL_QUERY_BUFFER, GL_QUERY_BUFFER_BINDING},
     Binding{GL_SHADER_STORAGE_BUFFER, GL_SHADER_STORAGE_BUFFER_BINDING},
     Binding{GL_UNIFORM_BUFFER, GL_UNIFORM_BUFFER_BINDING},
 };
@@ -31,13 +32,6 @@ constexpr std::array kBuffers = {
 constexpr std::array kTextures = {
     Binding{GL_TEXTURE_2D, GL_TEXTURE_BINDING_2D},
     Binding{GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
-};
-
-constexpr std::array<GLenum, 16> kPixelStore = {
-    GL_PACK_SWAP_BYTES,    GL_PACK_LSB_FIRST,     GL_PACK_ROW_LENGTH,     GL_PACK_SKIP_ROWS,
-    GL_PACK_SKIP_PIXELS,   GL_PACK_SKIP_IMAGES,   GL_PACK_IMAGE_HEIGHT,   GL_PACK_ALIGNMENT,
-    GL_UNPACK_SWAP_BYTES,  GL_UNPACK_LSB_FIRST,   GL_UNPACK_ROW_LENGTH,   GL_UNPACK_SKIP_ROWS,
-    GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_IMAGE_HEIGHT, GL_UNPACK_ALIGNMENT,
 };
 
 constexpr GLuint kImageUnits = 1;
@@ -266,7 +260,7 @@ void StateGuard::Saved::restore() const {
     gl.PolygonOffset(offsetFactor, offsetUnits);
 }
 
-StateGuard::StateGuard() : saved_(std::make_unique<Saved>()) {}
+StateGuard::StateGuard() : saved_(std::make_unique<Saved>()) { applyClientTransfers(); }
 StateGuard::~StateGuard() { saved_->restore(); }
 
 }  // namespace tessera::gl

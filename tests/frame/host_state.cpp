@@ -151,7 +151,14 @@ GLint limit(const GladGLContext& gl, GLenum name, GLint most = 1 << 30) {
 
 double address(const void* pointer) { return static_cast<double>(reinterpret_cast<std::uintptr_t>(pointer)); }
 
-GLuint link(const GladGLContext& gl, bool separable) {
+}  // namespace
+
+gl::GetProc procLoader(gl::Backend backend) {
+  if (backend == gl::Backend::Egl) return &eglGetProcAddress;
+  return &OSMesaGetProcAddress;
+}
+
+GLuint linkEmptyProgram(const GladGLContext& gl, bool separable) {
   const GLuint program = gl.CreateProgram();
   if (separable) gl.ProgramParameteri(program, GL_PROGRAM_SEPARABLE, GL_TRUE);
   const char* source =
@@ -165,13 +172,6 @@ GLuint link(const GladGLContext& gl, bool separable) {
   gl.DetachShader(program, shader);
   gl.DeleteShader(shader);
   return program;
-}
-
-}  // namespace
-
-gl::GetProc procLoader(gl::Backend backend) {
-  if (backend == gl::Backend::Egl) return &eglGetProcAddress;
-  return &OSMesaGetProcAddress;
 }
 
 HostState readHostState(const GladGLContext& gl) {
@@ -263,6 +263,8 @@ OddState::OddState(const GladGLContext& gl) : gl_(gl) {
   bindTexturesAndImages();
   bindObjects();
   setFixedFunction();
+  // Mesa 22.3 clamps the stencil reference to the bits of the framebuffer that it last validated.
+  gl_.Clear(0);
 }
 
 GLuint OddState::buffer() {
@@ -328,12 +330,16 @@ void OddState::bindObjects() {
     const GLuint attached = texture(GL_TEXTURE_2D);
     gl_.TextureStorage2D(attached, 1, GL_RGBA8, 8, 8);
     gl_.NamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, attached, 0);
+    // With stencil bits, or its reference reads as 0.
+    const GLuint depth = texture(GL_TEXTURE_2D);
+    gl_.TextureStorage2D(depth, 1, GL_DEPTH24_STENCIL8, 8, 8);
+    gl_.NamedFramebufferTexture(name, GL_DEPTH_STENCIL_ATTACHMENT, depth, 0);
     gl_.BindFramebuffer(target, name);
   }
   gl_.CreateRenderbuffers(1, &renderbuffer_);
   gl_.BindRenderbuffer(GL_RENDERBUFFER, renderbuffer_);
-  program_ = link(gl_, false);
-  separable_ = link(gl_, true);
+  program_ = linkEmptyProgram(gl_);
+  separable_ = linkEmptyProgram(gl_, true);
   gl_.CreateProgramPipelines(1, &pipeline_);
   gl_.UseProgramStages(pipeline_, GL_VERTEX_SHADER_BIT, separable_);
   gl_.BindProgramPipeline(pipeline_);

@@ -22,6 +22,9 @@ using HostState = std::map<std::string, std::vector<double>>;
 /// Reads the state of the current context. No call leaves a trace, except that an error flag would show.
 HostState readHostState(const GladGLContext& gl);
 
+/// A linked program that puts every vertex at the origin.
+GLuint linkEmptyProgram(const GladGLContext& gl, bool separable = false);
+
 /// One line a field that differs, with both values; empty when they are equal.
 std::vector<std::string> differences(const HostState& before, const HostState& after);
 

@@ -165,7 +165,10 @@ std::vector<Image> useEngine(gl::Context& context, AtlasFormat format,
   // As it is, and scaled into a part of the host's picture.
   gl::Texture picture(GL_RGBA8, kWidth + 40, kHeight + 30);
   const std::array<float, 4> backdrop = {0.25f, 0.5f, 0.75f, 1.0f};
-  gl::api().ClearTexImage(picture.get(), 0, GL_RGBA, GL_FLOAT, backdrop.data());
+  {
+    const gl::StateGuard guard;  // the colour is unpacked as a pixel
+    gl::api().ClearTexImage(picture.get(), 0, GL_RGBA, GL_FLOAT, backdrop.data());
+  }
   const std::array<const gl::Texture*, 1> colors = {&picture};
   const gl::Framebuffer framebuffer(colors);
   engine.blit(framebuffer.get(), 7, 5, kWidth, kHeight);
@@ -249,21 +252,16 @@ TEST_F(HostedEngine, LeavesTheDefaultStateToo) {
 
 TEST_F(HostedEngine, AProgramDeletedWhileCurrentIsNoError) {
   const GladGLContext& gl = gl::api();
+  const GLuint program = test::linkEmptyProgram(gl);
+  gl.UseProgram(program);
+  gl.DeleteProgram(program);  // lives on for as long as it is current
   {
-    const test::OddState odd(gl);
-    GLint program = 0;
-    gl.GetIntegerv(GL_CURRENT_PROGRAM, &program);
-    const GLuint other = gl.CreateProgram();
-    {
-      const gl::StateGuard guard;
-      gl.UseProgram(0);
-      gl.DeleteProgram(static_cast<GLuint>(program));
-    }
-    GLint now = -1;
-    gl.GetIntegerv(GL_CURRENT_PROGRAM, &now);
-    EXPECT_EQ(now, 0);
-    gl.DeleteProgram(other);
+    const gl::StateGuard guard;
+    gl.UseProgram(0);
   }
+  GLint now = -1;
+  gl.GetIntegerv(GL_CURRENT_PROGRAM, &now);
+  EXPECT_EQ(now, 0);
 }
 
 TEST(Bindings, CountsCoverEveryBinding) {

@@ -79,8 +79,7 @@ def bricks(size=512):
         light = _level(grain[y][x], 12)
         if joint < 1.6:
             return _mixed((168, 160, 148), (196, 189, 178), light)
-        return _mixed((70, 45, 40), (255, 235, 215), 0.0) if light < -1 else tuple(
-            min(255, round(c * (0.82 + 0.3 * light))) for c in tint[row][column])
+        return tuple(min(255, round(c * (0.82 + 0.3 * light))) for c in tint[row][column])
 
     return Image.of(size, size, shade)
 
@@ -217,7 +216,7 @@ def stained_glass(size=256):
         if lead:
             return (36, 36, 40, 235)
         pick = (math.floor(u + v) * 3 + math.floor(u - v) * 5 + (int(ring) if ring < 4 else 4)) % len(colours)
-        return colours[pick] + (130,)
+        return colours[pick] + (165,)
 
     return Image.of(size, size, shade)
 

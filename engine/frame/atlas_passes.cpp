@@ -45,7 +45,6 @@ void Engine::shade(const View& view) {
       for (std::uint32_t b = 0; b < s.draw.batches.size(); ++b) {
         const BatchPrograms& programs = s.batchPrograms[b];
         programs.gather->use();
-        programs.gather->set(LOCATION_MATERIAL, s.draw.batches[b].material);
         setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
         s.atlas->drawBatch(b);
@@ -63,16 +62,19 @@ void Engine::display(const View& view, DisplayMode mode) {
   // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
   // too.
   const glm::vec3& b = s.options.background;
+  const glm::vec4 linearBackground(b, 0.0f);
   const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
                                            glsl::encodeSrgb(b.b), 0.0f};
-  const auto clear = [&] {
-    gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_COLOR, 0, background.data());
+  // Always through the framebuffer that is drawn to next: zink (Mesa 22.3) defers clears, and applies one that was made
+  // through another view of the texture in the wrong encoding.
+  const auto clear = [&](const gl::Framebuffer& target, const float* color) {
+    gl::api().ClearNamedFramebufferfv(target.get(), GL_COLOR, 0, color);
     const float farthest = 0.0f;
-    gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_DEPTH, 0, &farthest);
+    gl::api().ClearNamedFramebufferfv(target.get(), GL_DEPTH, 0, &farthest);
   };
   if (!s.atlas) {
-    gl::apply({.depthWrite = true});
-    clear();
+    gl::apply({.depthWrite = true, .encodeSrgb = true});
+    clear(s.picture.framebuffer, &linearBackground.x);
     s.drawTransparent(view, "rect-transparent", s.picture.depth);
     return;
   }
@@ -80,14 +82,12 @@ void Engine::display(const View& view, DisplayMode mode) {
   const float halfX = 0.5f / static_cast<float>(s.atlas->texture().width());
   const float halfY = 0.5f / static_cast<float>(s.atlas->texture().height());
   s.atlas->displayTexture().bind(UNIT_ATLAS);
-  gl::api().BindSampler(UNIT_ATLAS, 0);
   const bool linear = s.atlas->format() == AtlasFormat::Rgba16f;
 
   if (mode == DisplayMode::Deferred && s.deferred != nullptr) {
     s.pass("display-deferred", [&] {
       s.deferred->use();
       s.id.ids.bind(UNIT_ID);
-      gl::api().BindSampler(UNIT_ID, 0);
       gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
       setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
       const glm::mat3 rays(pixelToRay(view));
@@ -105,7 +105,7 @@ void Engine::display(const View& view, DisplayMode mode) {
     gl::api().BindFramebuffer(GL_FRAMEBUFFER, target.get());
     gl::api().Viewport(0, 0, view.width, view.height);
     gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = linear});
-    clear();
+    clear(target, linear ? &linearBackground.x : background.data());
     for (std::uint32_t first = 0; first < s.draw.batches.size();) {
       const Batch& batch = s.draw.batches[first];
       std::uint32_t last = first + 1;
@@ -116,7 +116,6 @@ void Engine::display(const View& view, DisplayMode mode) {
       programs.display->use();
       setVec2(*programs.display, LOCATION_SIZE, halfX, halfY);
       if (batch.mask) {
-        programs.display->set(LOCATION_MATERIAL, batch.material);
         s.buffers.bindMaterial(batch.material, programs.depth);
       }
       // Entries are counter-clockwise in the world, mirrored or not (see rect_emit.comp).

@@ -47,7 +47,6 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     s.setViews({&view, 1});
     s.atlas->memory().bind();
     s.id.ids.bind(UNIT_ID);
-    gl::api().BindSampler(UNIT_ID, 0);
     gl::api().BindImageTexture(0, target.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     (*program)->use();
     const glm::mat3 rays(pixelToRay(view));

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/frame/engine_state.hpp"
-// SUB #include "engine/scene/subdivide.hpp"
+#include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -20,6 +20,22 @@ void completeAttributes(Scene& scene, const SceneFeatures& features) {
     if (p.normalTexture) scene.vertices.tangent.resize(count, glm::vec4(0.0f));
     if (p.vertexColor) scene.vertices.color.resize(count, glm::vec4(1.0f));
   }
+}
+
+/// More lights or shadow layers than a uniform block holds are refused, not dropped.
+Result<void> checkLights(const Scene& scene, const Stage* stage) {
+  SceneState state;
+  evaluate(scene, 0.0, state);
+  const auto lights = evaluateLights(scene, state, stage, 0.0);
+  std::size_t layers = 0;
+  for (const LightSample& light : lights)
+    if (light.castsShadow) layers += light.type == LightType::Point ? 6 : 1;
+  if (lights.size() > glsl::kMaxLights)
+    return fail("{}: {} lights are past the limit of {}", scene.file, lights.size(), glsl::kMaxLights);
+  if (layers > glsl::kMaxShadowLayers)
+    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}",
+                scene.file, layers, glsl::kMaxShadowLayers);
+  return {};
 }
 
 }  // namespace
@@ -44,8 +60,10 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
+  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits)
+    return tl::unexpected(fits.error());
   say("splitting long edges");
-  // SUB if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
+  if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
   s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);
   s.graph = planFrame(s.features, options.request);
   completeAttributes(s.scene, s.features);
@@ -60,7 +78,10 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.viewBuffer = gl::Buffer(kMaxViews * sizeof(glsl::ViewGpu));
   s.drawCommands = gl::Buffer(std::max<std::size_t>(s.draw.instances.size(), 1) * sizeof(glsl::DrawCommand));
   if (options.timePasses) s.timer.emplace(gl::timerModeFor(context.info()));
-  if (options.countFragments) s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+  if (options.countFragments) {
+    s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+    s.passedQuery = gl::Query(GL_SAMPLES_PASSED);
+  }
 
   say("compiling shaders");
   if (auto compiled = s.compile(); !compiled) return tl::unexpected(compiled.error());
@@ -86,14 +107,11 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
 
 void Engine::State::bindScene() {
   buffers.bind();
-  if (lightBuffer) lightBuffer.bindStorage(BIND_LIGHTS);
-  if (shadowBuffer) shadowBuffer.bindStorage(BIND_SHADOWS);
+  if (lightBuffer) lightBuffer.bindUniform(BIND_LIGHTS);
+  if (shadowBuffer) shadowBuffer.bindUniform(BIND_SHADOWS);
   frameBuffer.bindUniform(BIND_FRAME);
   viewBuffer.bindUniform(BIND_VIEWS);
-  if (shadowMap) {
-    shadowMap.bind(UNIT_SHADOW);
-    gl::api().BindSampler(UNIT_SHADOW, 0);
-  }
+  if (shadowMap) shadowMap.bind(UNIT_SHADOW);
 }
 
 void Engine::State::setViews(std::span<const View> views) {
@@ -125,8 +143,8 @@ void Engine::update(double time) {
     s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor,
                            s.options.shadowSize);
   if (first) {
-    s.lightBuffer = gl::Buffer(s.lights.lights);
-    s.shadowBuffer = gl::Buffer(s.lights.shadows);
+    if (s.features.lights) s.lightBuffer = gl::Buffer(glsl::kMaxLights * sizeof(glsl::LightGpu));
+    if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
     if (s.features.shadows) {
       const int size = s.options.shadowSize;
       s.shadowMap =
@@ -139,11 +157,15 @@ void Engine::update(double time) {
         s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
                                           static_cast<int>(i));
     }
-  } else {
-    s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
-    s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
   }
-  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient : Ambient{};
+  if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
+  if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
+  // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
+  constexpr float kAmbientAlone = 0.8f;
+  const Ambient unlitScene{glm::vec3(kAmbientAlone), glm::vec3(kAmbientAlone)};
+  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient
+                          : s.features.lights                ? Ambient{}
+                                                             : unlitScene;
   glsl::FrameGpu frame{};
   frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
   frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
@@ -210,18 +232,7 @@ const std::vector<PassTime>& Engine::times() const { return s_->times; }
 void Engine::clearTimes() { s_->times.clear(); }
 gl::TimerMode Engine::timerMode() const { return gl::timerModeFor(s_->context->info()); }
 std::uint64_t Engine::fragments() const { return s_->fragments; }
-
-std::uint64_t Engine::visibleTriangles() const {
-  std::uint64_t triangles = 0;
-  if (!s_->visible) return triangles;
-  const DrawScene& draw = s_->draw;
-  for (const std::uint32_t patch : s_->visible->read()) {
-    const std::uint32_t instance = draw.instanceOfPatch[patch];
-    const std::uint32_t offset = draw.patchOffset[draw.instances[instance].primitive];
-    triangles += draw.patches[offset + patch - draw.patchBase[instance]].triangles;
-  }
-  return triangles;
-}
+std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 
 std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   const State& s = *s_;

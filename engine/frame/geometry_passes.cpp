@@ -84,7 +84,6 @@ void Engine::State::drawDepthList(const DrawList& list, const gl::Program* Batch
     (chosen.*program)->use();
     if (layer >= 0) (chosen.*program)->set(LOCATION_VIEW, static_cast<unsigned>(layer));
     if (batch.mask) {
-      (chosen.*program)->set(LOCATION_MATERIAL, batch.material);
       buffers.bindMaterial(batch.material, chosen.depth);
     }
     gl::applyCulling(doCull && !batch.doubleSided, run.mirrored);
@@ -101,7 +100,9 @@ void Engine::State::drawShadows() {
     const glsl::LightGpu& light = lights.lights[i];
     if (light.shadowLayer == glsl::kNoShadow) continue;
     const bool moved = !comparable || uploadedLights[i].position != light.position ||
-                       uploadedLights[i].direction != light.direction || uploadedLights[i].cone != light.cone;
+                       uploadedLights[i].direction != light.direction ||
+                       uploadedLights[i].coneScale != light.coneScale ||
+                       uploadedLights[i].coneOffset != light.coneOffset;
     const std::uint32_t layers = light.type == glsl::kLightPoint ? 6 : 1;
     for (std::uint32_t layer = light.shadowLayer; moved && layer < light.shadowLayer + layers; ++layer)
       stale[layer] = true;
@@ -184,7 +185,6 @@ void Engine::forward(const View& view, bool depthPrepass) {
         const Batch& batch = s.draw.batches[range.batch];
         const BatchPrograms& programs = s.batchPrograms[range.batch];
         programs.forward->use();
-        programs.forward->set(LOCATION_MATERIAL, batch.material);
         s.buffers.bindMaterial(batch.material, programs.shading);
         gl::applyCulling(!batch.doubleSided, range.mirrored);
         s.drawRange(range);
@@ -247,7 +247,6 @@ void Engine::State::drawTransparent(const View& view, const char* passName, cons
       blendIndices.write(std::span<const std::uint32_t>(sorted));
       const BlendedPrograms& chosen = blendedPrograms[item.index];
       chosen.forward->use();
-      chosen.forward->set(LOCATION_MATERIAL, primitive.material);
       buffers.bindMaterial(primitive.material, chosen.shading);
       gl::applyCulling(!material.doubleSided, mirrors(world));
       gl::api().DrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(sorted.size()),

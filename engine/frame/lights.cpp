@@ -82,7 +82,8 @@ LightSet buildLights(const std::vector<LightSample>& lights, const Box& bounds, 
     // KHR_lights_punctual: the smoothing between the cones as scale and offset of the cosine.
     const float cosOuter = std::cos(light.outerCone);
     const float scale = 1.0f / std::max(0.001f, std::cos(light.innerCone) - cosOuter);
-    gpu.cone = glm::vec4(scale, -cosOuter * scale, 0.0f, 0.0f);
+    gpu.coneScale = scale;
+    gpu.coneOffset = -cosOuter * scale;
     gpu.type = light.type == LightType::Directional ? glsl::kLightDirectional
                : light.type == LightType::Point     ? glsl::kLightPoint
                                                     : glsl::kLightSpot;

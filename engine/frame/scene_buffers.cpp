@@ -49,6 +49,25 @@ glsl::MaterialGpu materialRecord(const Material& material) {
   return gpu;
 }
 
+/// InstanceGpu as attributes that step once an instance: see lib/instance.glsl.
+void bindInstances(const SceneBuffers& buffers) {
+  constexpr GLuint kBinding = 8;
+  const GLuint array = buffers.vertexArray.get();
+  const GladGLContext& gl = gl::api();
+  gl.VertexArrayVertexBuffer(array, kBinding, buffers.instances.get(), 0, sizeof(glsl::InstanceGpu));
+  gl.VertexArrayBindingDivisor(array, kBinding, 1);
+  for (GLuint row = 0; row < 5; ++row) {
+    const GLuint location = kBinding + row;
+    const GLuint offset = row * 16;
+    gl.EnableVertexArrayAttrib(array, location);
+    if (row < 3)
+      gl.VertexArrayAttribFormat(array, location, 4, GL_FLOAT, GL_FALSE, offset);
+    else
+      gl.VertexArrayAttribIFormat(array, location, 4, GL_UNSIGNED_INT, offset);
+    gl.VertexArrayAttribBinding(array, location, kBinding);
+  }
+}
+
 class TextureUploader {
  public:
   TextureUploader(Scene& scene, SceneBuffers& buffers) : scene_(scene), buffers_(buffers) {}
@@ -64,7 +83,6 @@ class TextureUploader {
     const Image& pixels = scene_.images[image].image;
     const int levels = std::bit_width(static_cast<unsigned>(std::max(pixels.width, pixels.height)));
     gl::Texture texture(srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, pixels.width, pixels.height, levels);
-    gl::api().PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     texture.upload(0, GL_RGBA, GL_UNSIGNED_BYTE, pixels.pixels.data());
     gl::api().GenerateTextureMipmap(texture.get());
     buffers_.textureBytes += texture.bytes();
@@ -159,9 +177,13 @@ Result<SceneBuffers> upload(Scene& scene, const DrawScene& draw) {
   buffers.indices = gl::Buffer(draw.indices, 0);
   buffers.patches = gl::Buffer(draw.patches, 0);
   buffers.patchInstance = gl::Buffer(draw.instanceOfPatch, 0);
-  std::vector<glsl::MaterialGpu> materials;
-  for (const Material& material : scene.materials) materials.push_back(materialRecord(material));
-  buffers.materials = gl::Buffer(materials, 0);
+  GLint alignment = 1;
+  gl::api().GetIntegerv(GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &alignment);
+  const auto step = static_cast<std::size_t>(alignment);
+  buffers.materialStride = (sizeof(glsl::MaterialGpu) + step - 1) / step * step;
+  buffers.materials = gl::Buffer(buffers.materialStride * scene.materials.size());
+  for (std::size_t i = 0; i < scene.materials.size(); ++i)
+    buffers.materials.writeValue(materialRecord(scene.materials[i]), i * buffers.materialStride);
   std::vector<glsl::BatchGpu> batches;
   for (const Batch& batch : draw.batches)
     batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
@@ -176,6 +198,7 @@ Result<SceneBuffers> upload(Scene& scene, const DrawScene& draw) {
   buffers.vertexArray.indices(buffers.indices);
   buffers.vertexArray.attribute(0, buffers.positions, 3, sizeof(glm::vec3));
   buffers.vertexArray.attribute(1, buffers.normals, 3, sizeof(glm::vec3));
+  bindInstances(buffers);
   if (!v.tangent.empty()) buffers.vertexArray.attribute(2, buffers.tangents, 4, sizeof(glm::vec4));
   if (!v.uv0.empty()) buffers.vertexArray.attribute(3, buffers.uv0, 2, sizeof(glm::vec2));
   if (!v.uv1.empty()) buffers.vertexArray.attribute(4, buffers.uv1, 2, sizeof(glm::vec2));
@@ -206,7 +229,6 @@ void SceneBuffers::bind() const {
   instances.bindStorage(BIND_INSTANCES);
   patches.bindStorage(BIND_PATCHES);
   patchInstance.bindStorage(BIND_PATCH_INSTANCE);
-  materials.bindStorage(BIND_MATERIALS);
   batches.bindStorage(BIND_BATCHES);
 }
 
@@ -214,6 +236,8 @@ void SceneBuffers::bindMaterial(std::uint32_t material, const Permutation& permu
   const std::array<bool, 5> read = {permutation.baseTexture, permutation.metallicRoughnessTexture,
                                     permutation.normalTexture, permutation.occlusionTexture,
                                     permutation.emissiveTexture};
+  gl::api().BindBufferRange(GL_UNIFORM_BUFFER, BIND_MATERIAL, materials.get(),
+                            static_cast<GLintptr>(material * materialStride), sizeof(glsl::MaterialGpu));
   for (GLuint slot = 0; slot < read.size(); ++slot) {
     if (!read[slot]) continue;
     const Binding& binding = materialBindings[material][slot];

@@ -18,8 +18,9 @@ struct SceneBuffers {
   gl::Buffer instances;  // InstanceGpu: opaque and masked ones, then blended ones
   gl::Buffer patches;    // PatchGeometry
   gl::Buffer patchInstance;
-  gl::Buffer materials;  // MaterialGpu
-  gl::Buffer batches;    // BatchGpu
+  gl::Buffer materials;  // MaterialGpu, materialStride bytes apart
+  std::size_t materialStride = 0;
+  gl::Buffer batches;  // BatchGpu
   gl::VertexArray vertexArray;
   std::vector<gl::Texture> textures;
   std::vector<gl::Sampler> samplers;

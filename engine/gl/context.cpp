@@ -9,6 +9,8 @@
 #include <EGL/eglext.h>
 #include <GL/osmesa.h>
 
+#include "engine/gl/draw_state.hpp"
+
 namespace tessera::gl {
 
 namespace {
@@ -219,6 +221,10 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
             " : require\n#define gl_DrawID gl_DrawIDARB\n#define gl_BaseInstance gl_BaseInstanceARB\n"
             "#define gl_BaseVertex gl_BaseVertexARB\n";
     }
+    // Not needed, but a host may use it: the state guard puts the clamp back.
+    if (std::find(offered.begin(), offered.end(), "GL_ARB_polygon_offset_clamp") != offered.end())
+      functions_.PolygonOffsetClamp =
+          reinterpret_cast<PFNGLPOLYGONOFFSETCLAMPPROC>(getProc("glPolygonOffsetClamp"));
     if (!missing.empty())
       return fail("{} ({}): OpenGL 4.5 lacks what 4.6 made core: {}", name, info_.renderer, missing);
   }
@@ -230,6 +236,7 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
     gl.DebugMessageCallback(&onDebugMessage, errors_.get());
   }
   current = &functions_;
+  if (backend != Backend::Host) applyClientTransfers();
   return {};
 }
 

@@ -49,7 +49,8 @@ class Context {
   static Result<std::unique_ptr<Context>> createOsMesa(const ContextOptions& options = {});
   static Result<std::unique_ptr<Context>> createEgl(const ContextOptions& options = {});
   /// Wraps the context that is current on this thread. It is neither owned nor destroyed; its debug callback
-  /// stays.
+  /// stays, and every call of Engine leaves its state as it was (see StateGuard for what a host must not have
+  /// active).
   static Result<std::unique_ptr<Context>> adoptCurrent(GetProc getProc);
 
   Context(const Context&) = delete;

@@ -28,31 +28,7 @@ GLenum functionOf(DepthTest test) {
 
 void apply(const DrawState& state) {
   const GladGLContext& gl = api();
-  for (const GLenum off : {GL_SCISSOR_TEST,
-                           GL_STENCIL_TEST,
-                           GL_RASTERIZER_DISCARD,
-                           GL_DEPTH_CLAMP,
-                           GL_PRIMITIVE_RESTART,
-                           GL_PRIMITIVE_RESTART_FIXED_INDEX,
-                           GL_SAMPLE_ALPHA_TO_COVERAGE,
-                           GL_SAMPLE_ALPHA_TO_ONE,
-                           GL_SAMPLE_COVERAGE,
-                           GL_SAMPLE_MASK,
-                           GL_SAMPLE_SHADING,
-                           GL_COLOR_LOGIC_OP,
-                           GL_POLYGON_SMOOTH,
-                           GL_DITHER,
-                           GL_POLYGON_OFFSET_LINE,
-                           GL_POLYGON_OFFSET_POINT,
-                           GL_CLIP_DISTANCE0,
-                           GL_CLIP_DISTANCE1,
-                           GL_CLIP_DISTANCE2,
-                           GL_CLIP_DISTANCE3,
-                           GL_CLIP_DISTANCE4,
-                           GL_CLIP_DISTANCE5,
-                           GL_CLIP_DISTANCE6,
-                           GL_CLIP_DISTANCE7})
-    gl.Disable(off);
+  for (const GLenum off : kAlwaysOff) gl.Disable(off);
   gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   gl.DepthRange(0.0, 1.0);
   gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -68,6 +44,13 @@ void apply(const DrawState& state) {
   enable(GL_POLYGON_OFFSET_FILL, state.offsetFactor != 0.0f || state.offsetUnits != 0.0f);
   gl.PolygonOffset(state.offsetFactor, state.offsetUnits);
   applyCulling(state.cullBack, state.mirrored);
+}
+
+void applyClientTransfers() {
+  for (const GLenum parameter : kPixelStore)
+    api().PixelStorei(parameter, parameter == GL_PACK_ALIGNMENT || parameter == GL_UNPACK_ALIGNMENT ? 1 : 0);
+  for (const GLenum target : {GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER, GL_QUERY_BUFFER})
+    api().BindBuffer(target, 0);
 }
 
 void applyCulling(bool cullBack, bool mirrored) {

@@ -125,7 +125,11 @@ std::size_t Texture::bytes() const {
   return texels * static_cast<std::size_t>(std::max(layers_, 1)) * bytesPerTexel(format_);
 }
 
-void Texture::bind(GLuint unit) const { api().BindTextureUnit(unit, name_.get()); }
+void Texture::bind(GLuint unit) const {
+  api().BindTextureUnit(unit, name_.get());
+  // A sampler that was left on the unit would override the texture's own parameters.
+  api().BindSampler(unit, 0);
+}
 void Texture::set(GLenum parameter, GLint value) { api().TextureParameteri(name_.get(), parameter, value); }
 
 void Texture::upload(int level, GLenum format, GLenum type, const void* pixels) {
@@ -184,8 +188,9 @@ void VertexArray::attribute(GLuint location, const Buffer& buffer, GLint compone
 void VertexArray::indices(const Buffer& buffer) { api().VertexArrayElementBuffer(name_.get(), buffer.get()); }
 
 Query::Query(GLenum target) : target_(target) {
+  // Not glCreateQueries: Mesa 22.3 refuses pipeline-statistics targets there on a 4.5 context.
   GLuint name = 0;
-  api().CreateQueries(target, 1, &name);
+  api().GenQueries(1, &name);
   name_ = Name<&deleteQuery>(name);
 }
 void Query::begin() const { api().BeginQuery(target_, name_.get()); }
@@ -203,13 +208,6 @@ std::vector<std::uint8_t> readTexture(const Texture& texture, GLenum format, GLe
   std::vector<std::uint8_t> pixels(width * height * static_cast<std::size_t>(std::max(texture.layers(), 1)) *
                                    bytesPerPixel);
   api().MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
-  // The host may have left odd pixel-store state; readback is tightly packed.
-  for (const GLenum parameter :
-       {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_PIXELS, GL_PACK_SKIP_ROWS, GL_PACK_IMAGE_HEIGHT, GL_PACK_SKIP_IMAGES,
-        GL_PACK_SWAP_BYTES, GL_PACK_LSB_FIRST})
-    api().PixelStorei(parameter, 0);
-  api().PixelStorei(GL_PACK_ALIGNMENT, 1);
-  api().BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   api().GetTextureImage(texture.get(), level, format, type, static_cast<GLsizei>(pixels.size()),
                         pixels.data());
   return pixels;

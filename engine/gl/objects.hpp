@@ -109,6 +109,7 @@ class Texture {
   [[nodiscard]] int layers() const { return layers_; }
   [[nodiscard]] GLenum format() const { return format_; }
   [[nodiscard]] std::size_t bytes() const;
+  /// Binds to a unit, sampled by the texture's own parameters.
   void bind(GLuint unit) const;
   void set(GLenum parameter, GLint value);
   void filter(GLint min, GLint mag) {
@@ -119,6 +120,7 @@ class Texture {
     set(GL_TEXTURE_WRAP_S, mode);
     set(GL_TEXTURE_WRAP_T, mode);
   }
+  /// Tightly packed pixels of a whole level of a 2D texture.
   void upload(int level, GLenum format, GLenum type, const void* pixels);
 
  private:

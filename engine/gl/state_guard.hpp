@@ -5,7 +5,11 @@
 
 namespace tessera::gl {
 
-/// State at construction is restored at destruction, on the same context. See state_guard.cpp for what is covered.
+/// State at construction is restored at destruction, on the same context (core profile); in between, pixels
+/// in client memory are tightly packed, and the rest is what the engine sets as it needs it. Covered is what
+/// the engine's draws, dispatches and readbacks set, and nothing else; the tables in state_guard.cpp list it.
+/// The host must not have a query, conditional rendering or transform feedback active: those cannot be saved.
+/// A program that the host has deleted while it is current is gone afterwards, and none is current then.
 class StateGuard {
  public:
   StateGuard();

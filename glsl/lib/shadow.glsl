@@ -1,6 +1,6 @@
 // Shadow maps: one depth layer for a directional or spot light, six for a point light.
 layout(binding = UNIT_SHADOW) uniform sampler2DArrayShadow uShadow;
-layout(std430, binding = BIND_SHADOWS) readonly buffer Shadows { ShadowGpu shadows[]; };
+layout(std140, binding = BIND_SHADOWS) uniform Shadows { ShadowGpu shadows[kMaxShadowLayers]; };
 
 uint cubeFace(vec3 d) {
   vec3 a = abs(d);
@@ -10,15 +10,15 @@ uint cubeFace(vec3 d) {
 }
 
 // The share of the light that reaches the point: 0 in shadow, 1 lit. `n` is the geometric side of the surface.
-float lightReaching(LightGpu light, vec3 position, vec3 n) {
-  uint layer = light.shadowLayer;
-  vec3 toPoint = position - light.position.xyz;
-  if (light.type == kLightPoint) layer += cubeFace(toPoint);
-  ShadowGpu shadow = shadows[layer];
-  float reach = shadow.texel.y > 0.0 ? length(toPoint) : 1.0;
+float lightReaching(uint index, vec3 position, vec3 n) {
+  uint layer = lights[index].shadowLayer;
+  vec3 toPoint = position - lights[index].position.xyz;
+  if (lights[index].type == kLightPoint) layer += cubeFace(toPoint);
+  vec4 texel = shadows[layer].texel;
+  float reach = texel.y > 0.0 ? length(toPoint) : 1.0;
   // Moving the point off the surface by about a shadow texel keeps it clear of its own depth (normal offset).
-  vec3 p = position + n * (1.5 * shadow.texel.x * reach);
-  vec4 clip = shadow.viewProjection * vec4(p, 1.0);
+  vec3 p = position + n * (1.5 * texel.x * reach);
+  vec4 clip = shadows[layer].viewProjection * vec4(p, 1.0);
   if (clip.w <= 0.0) return 1.0;
   vec3 c = clip.xyz / clip.w;
   if (abs(c.x) > 1.0 || abs(c.y) > 1.0 || c.z > 1.0) return 1.0;

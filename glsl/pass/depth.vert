@@ -5,9 +5,9 @@
 #include "shared/material.h"
 #include "lib/mask_vertex.glsl"
 
-layout(std430, binding = BIND_INSTANCES) readonly buffer Instances { InstanceGpu instances[]; };
+#include "lib/instance.glsl"
 #ifdef SHADOW_LAYER
-layout(std430, binding = BIND_SHADOWS) readonly buffer Shadows { ShadowGpu shadows[]; };
+layout(std140, binding = BIND_SHADOWS) uniform Shadows { ShadowGpu shadows[kMaxShadowLayers]; };
 layout(location = LOCATION_VIEW) uniform uint uLayer;
 #else
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu view; };
@@ -24,21 +24,21 @@ layout(location = 4) in vec2 aUv1;
 layout(location = 5) in vec4 aColor;
 #endif
 #ifdef WRITE_ID
-layout(location = 2) flat out uint vInstance;
+layout(location = 2) flat out uvec3 vPatches;  // patchBase, pairs, triples
 #endif
 
 invariant gl_Position;
 
 void main() {
-  uint index = uint(gl_BaseInstance + gl_InstanceID);
-  vec3 position = transformPoint(instances[index], aPosition);
+  InstanceGpu instance = drawnInstance();
+  vec3 position = transformPoint(instance, aPosition);
 #ifdef SHADOW_LAYER
   gl_Position = shadows[uLayer].viewProjection * vec4(position, 1.0);
 #else
   gl_Position = view.viewProjection * vec4(position, 1.0);
 #endif
 #ifdef WRITE_ID
-  vInstance = index;
+  vPatches = uvec3(instance.patchBase, instance.pairs, instance.triples);
 #endif
 #ifdef MASK
 #ifdef BASE_TEX

@@ -1,11 +1,11 @@
-// Vertices of the forward renderer, from plain vertex attributes; the instance is baseInstance + InstanceID.
+// Vertices of the forward renderer, from plain vertex attributes.
 #define STAGE_VERTEX
 #include "shared/bindings.h"
 #include "shared/scene.h"
 #include "lib/normal.glsl"
 #include "lib/varyings.glsl"
 
-layout(std430, binding = BIND_INSTANCES) readonly buffer Instances { InstanceGpu instances[]; };
+#include "lib/instance.glsl"
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu view; };
 
 layout(location = 0) in vec3 aPosition;
@@ -27,7 +27,7 @@ layout(location = 5) in vec4 aColor;
 invariant gl_Position;
 
 void main() {
-  InstanceGpu instance = instances[gl_BaseInstance + gl_InstanceID];
+  InstanceGpu instance = drawnInstance();
   vPosition = transformPoint(instance, aPosition);
   gl_Position = view.viewProjection * vec4(vPosition, 1.0);
   vNormal = transformNormal(instance, aNormal);

@@ -4,14 +4,12 @@
 #include "shared/material.h"
 #include "lib/mask.glsl"
 
-layout(std430, binding = BIND_INSTANCES) readonly buffer Instances { InstanceGpu instances[]; };
-layout(location = 2) flat in uint vInstance;
+layout(location = 2) flat in uvec3 vPatches;  // patchBase, pairs, triples
 layout(location = 0) out uint oId;
 
 void main() {
 #ifdef MASK
   if (maskedOut()) discard;
 #endif
-  InstanceGpu instance = instances[vInstance];
-  oId = idOfTriangle(instance, uint(gl_PrimitiveID));
+  oId = idOfTriangle(vPatches.x, vPatches.y, vPatches.z, uint(gl_PrimitiveID));
 }

@@ -8,16 +8,15 @@
 #include "lib/varyings.glsl"
 #include "lib/brdf.glsl"
 
-layout(std430, binding = BIND_MATERIALS) readonly buffer Materials { MaterialGpu materials[]; };
+#include "lib/material.glsl"
 layout(std140, binding = BIND_FRAME) uniform Frame { FrameGpu frame; };
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu view; };
 #ifdef LIGHTS
-layout(std430, binding = BIND_LIGHTS) readonly buffer Lights { LightGpu lights[]; };
+layout(std140, binding = BIND_LIGHTS) uniform Lights { LightGpu lights[kMaxLights]; };
 #endif
 #ifdef SHADOWS
 #include "lib/shadow.glsl"
 #endif
-layout(location = LOCATION_MATERIAL) uniform uint uMaterial;
 
 #ifdef BASE_TEX
 layout(binding = UNIT_MATERIAL + 0) uniform sampler2D uBaseColor;
@@ -40,7 +39,7 @@ layout(location = 0) out vec4 oColor;
 #if defined(USES_UV0) || defined(USES_UV1)
 vec2 uvOf(uint slot) {
 #if defined(UV_TRANSFORM) || (defined(USES_UV0) && defined(USES_UV1))
-  vec4 row0 = materials[uMaterial].uvRows[2u * slot];
+  vec4 row0 = material.uvRows[2u * slot];
 #endif
 #if defined(USES_UV0) && defined(USES_UV1)
   vec2 uv = row0.w > 0.5 ? vUv1 : vUv0;
@@ -50,7 +49,7 @@ vec2 uvOf(uint slot) {
   vec2 uv = vUv0;
 #endif
 #ifdef UV_TRANSFORM
-  vec4 row1 = materials[uMaterial].uvRows[2u * slot + 1u];
+  vec4 row1 = material.uvRows[2u * slot + 1u];
   uv = vec2(dot(row0.xyz, vec3(uv, 1.0)), dot(row1.xyz, vec3(uv, 1.0)));
 #endif
   return uv;
@@ -59,31 +58,30 @@ vec2 uvOf(uint slot) {
 
 #ifdef LIGHTS
 // Light arriving from a punctual source before the surface's cosine (KHR_lights_punctual): direction to it and radiance.
-vec3 arriving(LightGpu light, vec3 position, out vec3 l) {
-  if (light.type == kLightDirectional) {
-    l = -light.direction.xyz;
-    return light.radiance.rgb;
+vec3 arriving(uint i, vec3 position, out vec3 l) {
+  if (lights[i].type == kLightDirectional) {
+    l = -lights[i].direction.xyz;
+    return lights[i].radiance.rgb;
   }
-  vec3 d = light.position.xyz - position;
+  vec3 d = lights[i].position.xyz - position;
   // A light on the surface: the inverse square is cut at a centimetre.
   float d2 = max(dot(d, d), 1e-4);
   l = d * inversesqrt(d2);
   float window = 1.0;
-  if (light.position.w > 0.0) {
-    float q = d2 * light.position.w;
+  if (lights[i].position.w > 0.0) {
+    float q = d2 * lights[i].position.w;
     window = clamp(1.0 - q * q, 0.0, 1.0);
   }
   float cone = 1.0;
-  if (light.type == kLightSpot) {
-    cone = clamp(dot(light.direction.xyz, -l) * light.cone.x + light.cone.y, 0.0, 1.0);
+  if (lights[i].type == kLightSpot) {
+    cone = clamp(dot(lights[i].direction.xyz, -l) * lights[i].coneScale + lights[i].coneOffset, 0.0, 1.0);
     cone *= cone;
   }
-  return light.radiance.rgb * (window * cone / d2);
+  return lights[i].radiance.rgb * (window * cone / d2);
 }
 #endif
 
 void main() {
-  MaterialGpu material = materials[uMaterial];
   vec4 base = material.baseColor;
 #ifdef BASE_TEX
   base *= texture(uBaseColor, uvOf(kSlotBaseColor));
@@ -148,12 +146,12 @@ void main() {
 #ifdef LIGHTS
   for (uint i = 0u; i < frame.lightCount; ++i) {
     vec3 l;
-    vec3 radiance = arriving(lights[i], vPosition, l);
+    vec3 radiance = arriving(i, vPosition, l);
     float nl = dot(n, l);
     if (nl <= 0.0 || dot(radiance, vec3(1.0)) <= 0.0) continue;
 #ifdef SHADOWS
     if (lights[i].shadowLayer != kNoShadow) {
-      float reaching = dot(surfaceNormal, l) <= 0.0 ? 0.0 : lightReaching(lights[i], vPosition, surfaceNormal);
+      float reaching = dot(surfaceNormal, l) <= 0.0 ? 0.0 : lightReaching(i, vPosition, surfaceNormal);
       if (reaching <= 0.0) continue;
       radiance *= reaching;
     }

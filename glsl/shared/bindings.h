@@ -12,8 +12,6 @@
 #define BIND_INSTANCES 6       // InstanceGpu[]
 #define BIND_PATCHES 7         // PatchGeometry[]
 #define BIND_PATCH_INSTANCE 8  // uint[patch instances]: which InstanceGpu
-#define BIND_MATERIALS 9       // MaterialGpu[]
-#define BIND_LIGHTS 10         // LightGpu[]
 
 // Shader storage: the visible set
 #define BIND_VISIBLE 11      // uint count, then uint[] patch-instance ids
@@ -33,13 +31,18 @@
 #define BIND_BATCHES 21       // BatchGpu[]
 
 #define BIND_GATHER_VERTICES 22 // GatherVertex[]
-#define BIND_SHADOWS 23         // ShadowGpu[]
 
 #define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
+
+#define BIND_STORAGE_COUNT 25   // of the above
 
 // Uniform buffers
 #define BIND_VIEWS 0
 #define BIND_FRAME 1
+#define BIND_LIGHTS 2    // LightGpu[kMaxLights]
+#define BIND_SHADOWS 3   // ShadowGpu[kMaxShadowLayers]
+#define BIND_MATERIAL 4  // one MaterialGpu
+#define BIND_UNIFORM_COUNT 5
 
 // Texture units
 #define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu
@@ -47,9 +50,9 @@
 #define UNIT_ATLAS 6
 #define UNIT_ID 7
 #define UNIT_DEPTH 8
+#define UNIT_COUNT 9
 
 // Uniform locations
-#define LOCATION_MATERIAL 0
 #define LOCATION_VIEW 1
 #define LOCATION_COUNT 2
 #define LOCATION_SIZE 3

@@ -28,12 +28,15 @@ struct LightGpu {
   vec4 position;   // relative to the anchor; w = 1 / range^2, 0 = unlimited
   vec4 direction;  // unit, the way light travels; w unused
   vec4 radiance;   // lux or candela, linear rgb; w unused
-  vec4 cone;       // spot: scale and offset of cos(angle) (KHR_lights_punctual); z, w unused
+  float coneScale;   // spot: scale and offset of cos(angle) (KHR_lights_punctual)
+  float coneOffset;
   uint type;
   uint shadowLayer;  // first layer of the shadow map, kNoShadow if none; a point light has six
-  uint reserved0;
-  uint reserved1;
 };
+
+// Uniform blocks of 16 KiB are the least that GL promises; lights and shadow layers are kept within that.
+SHARED_CONST uint kMaxLights = 256u;
+SHARED_CONST uint kMaxShadowLayers = 200u;
 
 struct FrameGpu {
   vec4 ambientSky;     // rgb radiance from above; w = exposure
@@ -54,7 +57,9 @@ struct ShadowGpu {
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::MaterialGpu) == 208);
-static_assert(sizeof(tessera::glsl::LightGpu) == 80);
+static_assert(sizeof(tessera::glsl::LightGpu) == 64);
+static_assert(sizeof(tessera::glsl::LightGpu) * tessera::glsl::kMaxLights <= 16384);
+static_assert(sizeof(tessera::glsl::ShadowGpu) * tessera::glsl::kMaxShadowLayers <= 16384);
 static_assert(sizeof(tessera::glsl::FrameGpu) == 64);
 static_assert(sizeof(tessera::glsl::ShadowGpu) == 80);
 #endif

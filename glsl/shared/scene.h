@@ -50,27 +50,27 @@ SHARED_FN vec3 transformPoint(InstanceGpu instance, vec3 p) {
 }
 
 // The patch-instance id of triangle `triangle` (0-based, in the sorted order) of an instance.
-SHARED_FN uint patchOfTriangle(InstanceGpu instance, uint triangle) {
-  uint inPairs = 2u * instance.pairs;
-  if (triangle < inPairs) return instance.patchBase + triangle / 2u;
-  uint inTriples = 3u * instance.triples;
+SHARED_FN uint patchOfTriangle(uint patchBase, uint pairs, uint triples, uint triangle) {
+  uint inPairs = 2u * pairs;
+  if (triangle < inPairs) return patchBase + triangle / 2u;
+  uint inTriples = 3u * triples;
   uint rest = triangle - inPairs;
-  if (rest < inTriples) return instance.patchBase + instance.pairs + rest / 3u;
-  return instance.patchBase + instance.pairs + instance.triples + (rest - inTriples);
+  if (rest < inTriples) return patchBase + pairs + rest / 3u;
+  return patchBase + pairs + triples + (rest - inTriples);
 }
 
 // Which of its patch's triangles (0, 1 or 2) triangle `triangle` of an instance is.
-SHARED_FN uint partOfTriangle(InstanceGpu instance, uint triangle) {
-  uint inPairs = 2u * instance.pairs;
+SHARED_FN uint partOfTriangle(uint pairs, uint triples, uint triangle) {
+  uint inPairs = 2u * pairs;
   if (triangle < inPairs) return triangle % 2u;
   uint rest = triangle - inPairs;
-  return rest < 3u * instance.triples ? rest % 3u : 0u;
+  return rest < 3u * triples ? rest % 3u : 0u;
 }
 
 // What the id pass writes: (patch-instance id + 1) << 2 | triangle of the patch. 0 is nothing, so 2^30 - 1 patch
 // instances can be told apart.
-SHARED_FN uint idOfTriangle(InstanceGpu instance, uint triangle) {
-  return ((patchOfTriangle(instance, triangle) + 1u) << 2u) | partOfTriangle(instance, triangle);
+SHARED_FN uint idOfTriangle(uint patchBase, uint pairs, uint triples, uint triangle) {
+  return ((patchOfTriangle(patchBase, pairs, triples, triangle) + 1u) << 2u) | partOfTriangle(pairs, triples, triangle);
 }
 
 TESSERA_SHARED_END

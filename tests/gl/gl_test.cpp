@@ -65,5 +65,12 @@ TEST_F(GlObjects, TimerMeasuresSomething) {
   EXPECT_GT(timer.milliseconds(), 0.0);
 }
 
+TEST_F(GlObjects, PipelineStatisticsCount) {
+  const gl::Query query(GL_FRAGMENT_SHADER_INVOCATIONS);
+  query.begin();
+  query.end();
+  EXPECT_EQ(query.result(), 0u);
+}
+
 }  // namespace
 }  // namespace tessera

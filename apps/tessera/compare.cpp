@@ -71,6 +71,7 @@ struct Series {
   std::map<std::string, std::vector<double>> passes;
   std::vector<std::string> passOrder;
   std::vector<double> frameMs, gatherMs, displayMs, nsPerSample;
+  std::vector<double> nsPerPassed, passed, partly;
   std::vector<double> mssim, psnr, flip, samples, allocated, live, patches, triangles, covered, bias;
   double outOfMemory = 0.0;
   double resets = 0.0;
@@ -231,12 +232,16 @@ class SceneComparison {
       draw(method, timed);
       runs.push_back(engine_.times());
     }
-    // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the rasterizer
-    // runs besides (some count the unlit lanes of its 2 x 2 quads).
+    // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the
+    // rasterizer runs besides (some count the unlit lanes of its 2 x 2 quads).
     const std::uint64_t shaded = method.usesAtlas() && engine_.atlas() != nullptr
                                      ? engine_.atlas()->memory().readStatistics().samples
                                      : engine_.fragments();
     record(series, medianTimes(runs), shaded);
+    if (!method.usesAtlas() && engine_.samplesPassed() > 0) {
+      series.passed.push_back(static_cast<double>(engine_.samplesPassed()));
+      series.nsPerPassed.push_back(series.gatherMs.back() * 1e6 / series.passed.back());
+    }
     const Image picture = engine_.readColor();
     if (references_.size() <= f) references_.push_back(picture);
     const Image& reference = references_[f];
@@ -253,6 +258,7 @@ class SceneComparison {
       const RectStatistics stats = engine_.atlas()->memory().readStatistics();
       series.allocated.push_back(static_cast<double>(stats.samples));
       series.live.push_back(static_cast<double>(stats.liveTexels));
+      series.partly.push_back(static_cast<double>(engine_.samplesPartlyInView(timed.view)));
       series.patches.push_back(static_cast<double>(stats.visiblePatches));
       series.triangles.push_back(static_cast<double>(engine_.visibleTriangles()));
       series.bias.push_back(static_cast<double>(stats.bias));
@@ -287,10 +293,13 @@ ReportMethod reportOf(const Method& method, Series series) {
   report.psnrDb = pooledPsnr(series.psnr);
   report.flip = mean(series.flip);
   report.samplesShaded = mean(series.samples);
+  report.samplesPassed = mean(series.passed);
+  report.nsPerPassed = summarize(series.nsPerPassed).median;
   report.coveredPixels = mean(series.covered);
   report.holes = series.holes;
   if (method.usesAtlas()) {
     report.samplesAllocated = mean(series.allocated);
+    report.samplesPartlyInView = mean(series.partly);
     report.atlasTexelsUsed = mean(series.live);
     report.visiblePatches = mean(series.patches);
     report.visibleTriangles = mean(series.triangles);

@@ -183,16 +183,20 @@ RectStatistics RectMemory::readStatistics() const {
   const glsl::AtlasState state = readState();
   RectStatistics statistics;
   statistics.visiblePatches = state.visible;
-  statistics.samples = std::uint64_t{state.liveTexels} + state.records;
-  statistics.liveTexels = state.liveTexels;
-  statistics.records = state.records;
   statistics.failures = state.failures;
   statistics.resets = state.resets;
   statistics.frames = state.frames;
+  std::uint32_t blocks = 0;
   for (glsl::uint w = 1; w <= config_.superblockLog2; ++w)
-    for (glsl::uint h = 0; h <= w; ++h)
-      statistics.stackTexels += static_cast<std::uint64_t>(state.levels[glsl::levelIndex(w, h)].stackCount)
-                                << (w + h);
+    for (glsl::uint h = 0; h <= w; ++h) {
+      const glsl::LevelState& level = state.levels[glsl::levelIndex(w, h)];
+      const auto stacked = static_cast<std::uint32_t>(level.stackCount);
+      statistics.stackTexels += std::uint64_t{stacked} << (w + h);
+      statistics.liveTexels += std::uint64_t{level.existing - stacked} << (w + h);
+      blocks += level.existing - stacked;
+    }
+  statistics.records = state.visible - blocks;
+  statistics.samples = statistics.liveTexels + statistics.records;
   statistics.freeSuperblocks = config_.superblocks - state.superblocksUsed;
   statistics.load = static_cast<float>(state.cutTexels) /
                     (static_cast<float>(config_.width) * static_cast<float>(config_.height));

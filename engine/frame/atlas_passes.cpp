@@ -62,16 +62,19 @@ void Engine::display(const View& view, DisplayMode mode) {
   // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
   // too.
   const glm::vec3& b = s.options.background;
+  const glm::vec4 linearBackground(b, 0.0f);
   const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
                                            glsl::encodeSrgb(b.b), 0.0f};
-  const auto clear = [&] {
-    gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_COLOR, 0, background.data());
+  // Always through the framebuffer that is drawn to next: zink (Mesa 22.3) defers clears, and applies one that was made
+  // through another view of the texture in the wrong encoding.
+  const auto clear = [&](const gl::Framebuffer& target, const float* color) {
+    gl::api().ClearNamedFramebufferfv(target.get(), GL_COLOR, 0, color);
     const float farthest = 0.0f;
-    gl::api().ClearNamedFramebufferfv(s.picture.encodedFramebuffer.get(), GL_DEPTH, 0, &farthest);
+    gl::api().ClearNamedFramebufferfv(target.get(), GL_DEPTH, 0, &farthest);
   };
   if (!s.atlas) {
-    gl::apply({.depthWrite = true});
-    clear();
+    gl::apply({.depthWrite = true, .encodeSrgb = true});
+    clear(s.picture.framebuffer, &linearBackground.x);
     s.drawTransparent(view, "rect-transparent", s.picture.depth);
     return;
   }
@@ -102,7 +105,7 @@ void Engine::display(const View& view, DisplayMode mode) {
     gl::api().BindFramebuffer(GL_FRAMEBUFFER, target.get());
     gl::api().Viewport(0, 0, view.width, view.height);
     gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = linear});
-    clear();
+    clear(target, linear ? &linearBackground.x : background.data());
     for (std::uint32_t first = 0; first < s.draw.batches.size();) {
       const Batch& batch = s.draw.batches[first];
       std::uint32_t last = first + 1;

@@ -33,8 +33,8 @@ Result<void> checkLights(const Scene& scene, const Stage* stage) {
   if (lights.size() > glsl::kMaxLights)
     return fail("{}: {} lights are past the limit of {}", scene.file, lights.size(), glsl::kMaxLights);
   if (layers > glsl::kMaxShadowLayers)
-    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}", scene.file, layers,
-                glsl::kMaxShadowLayers);
+    return fail("{}: {} shadow-map layers (one a light, six a point light) are past the limit of {}",
+                scene.file, layers, glsl::kMaxShadowLayers);
   return {};
 }
 
@@ -60,7 +60,8 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
-  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits) return tl::unexpected(fits.error());
+  if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits)
+    return tl::unexpected(fits.error());
   say("splitting long edges");
   if (options.splitEdges > 0.0) splitLongEdges(s.scene, {.maxEdgeShare = options.splitEdges});
   s.features = findFeatures(s.scene, s.stage ? &*s.stage : nullptr);
@@ -77,7 +78,10 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.viewBuffer = gl::Buffer(kMaxViews * sizeof(glsl::ViewGpu));
   s.drawCommands = gl::Buffer(std::max<std::size_t>(s.draw.instances.size(), 1) * sizeof(glsl::DrawCommand));
   if (options.timePasses) s.timer.emplace(gl::timerModeFor(context.info()));
-  if (options.countFragments) s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+  if (options.countFragments) {
+    s.fragmentQuery = gl::Query(GL_FRAGMENT_SHADER_INVOCATIONS);
+    s.passedQuery = gl::Query(GL_SAMPLES_PASSED);
+  }
 
   say("compiling shaders");
   if (auto compiled = s.compile(); !compiled) return tl::unexpected(compiled.error());
@@ -156,7 +160,12 @@ void Engine::update(double time) {
   }
   if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
   if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
-  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient : Ambient{};
+  // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
+  constexpr float kAmbientAlone = 0.8f;
+  const Ambient unlitScene{glm::vec3(kAmbientAlone), glm::vec3(kAmbientAlone)};
+  const Ambient ambient = stage != nullptr && stage->ambient ? *stage->ambient
+                          : s.features.lights                ? Ambient{}
+                                                             : unlitScene;
   glsl::FrameGpu frame{};
   frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
   frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
@@ -223,18 +232,7 @@ const std::vector<PassTime>& Engine::times() const { return s_->times; }
 void Engine::clearTimes() { s_->times.clear(); }
 gl::TimerMode Engine::timerMode() const { return gl::timerModeFor(s_->context->info()); }
 std::uint64_t Engine::fragments() const { return s_->fragments; }
-
-std::uint64_t Engine::visibleTriangles() const {
-  std::uint64_t triangles = 0;
-  if (!s_->visible) return triangles;
-  const DrawScene& draw = s_->draw;
-  for (const std::uint32_t patch : s_->visible->read()) {
-    const std::uint32_t instance = draw.instanceOfPatch[patch];
-    const std::uint32_t offset = draw.patchOffset[draw.instances[instance].primitive];
-    triangles += draw.patches[offset + patch - draw.patchBase[instance]].triangles;
-  }
-  return triangles;
-}
+std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 
 std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   const State& s = *s_;

@@ -106,6 +106,11 @@ class Engine {
   [[nodiscard]] gl::TimerMode timerMode() const;
   /// Fragment-shader invocations of the last forward (opaque part) or gather; 0 without countFragments.
   [[nodiscard]] std::uint64_t fragments() const;
+  /// Samples of the same draws that passed the depth test: what early depth testing leaves to be shaded.
+  [[nodiscard]] std::uint64_t samplesPassed() const;
+  /// Of the samples that the last place() allocated, those of patches with a corner outside the view;
+  /// blocking readback.
+  [[nodiscard]] std::uint64_t samplesPartlyInView(const View& view) const;
   /// Sum of triangles over the visible patches; blocking readback.
   [[nodiscard]] std::uint64_t visibleTriangles() const;
   /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for

@@ -89,7 +89,9 @@ struct Engine::State {
   std::vector<PassTime> times;
   std::optional<gl::Timer> timer;
   gl::Query fragmentQuery;
+  gl::Query passedQuery;
   std::uint64_t fragments = 0;
+  std::uint64_t samplesPassed = 0;
 
   /// Runs a pass of the plan with its barriers and its timer; does nothing for a pass that the plan does not
   /// have.
@@ -115,9 +117,12 @@ struct Engine::State {
       return;
     }
     fragmentQuery.begin();
+    passedQuery.begin();
     run();
+    passedQuery.end();
     fragmentQuery.end();
     fragments = fragmentQuery.result();
+    samplesPassed = passedQuery.result();
   }
   /// A host's state is saved around every call; contexts of our own have no one to be kind to.
   [[nodiscard]] std::optional<gl::StateGuard> guard() const {

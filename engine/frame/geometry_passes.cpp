@@ -100,7 +100,8 @@ void Engine::State::drawShadows() {
     const glsl::LightGpu& light = lights.lights[i];
     if (light.shadowLayer == glsl::kNoShadow) continue;
     const bool moved = !comparable || uploadedLights[i].position != light.position ||
-                       uploadedLights[i].direction != light.direction || uploadedLights[i].coneScale != light.coneScale ||
+                       uploadedLights[i].direction != light.direction ||
+                       uploadedLights[i].coneScale != light.coneScale ||
                        uploadedLights[i].coneOffset != light.coneOffset;
     const std::uint32_t layers = light.type == glsl::kLightPoint ? 6 : 1;
     for (std::uint32_t layer = light.shadowLayer; moved && layer < light.shadowLayer + layers; ++layer)

@@ -74,12 +74,25 @@ View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int 
 
 View autoView(const Scene& scene, int width, int height) {
   constexpr double kFovY = 45.0;
+  constexpr double kMargin = 1.05;
   const glm::dvec3 centre = scene.bounds.centre();
-  const double radius = std::max(scene.bounds.diagonal() * 0.5, 1e-6);
-  const double narrow = std::min(1.0, static_cast<double>(width) / static_cast<double>(height));
-  const double distance = radius / std::sin(glm::radians(kFovY) * 0.5) / narrow;
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.35, 0.3, 1.0));
-  return lookAt(centre + direction * distance, centre, kFovY, width, height, defaultNear(scene));
+  const View towards = lookAt(centre + direction, centre, kFovY, width, height, defaultNear(scene));
+  const double tanY = std::tan(towards.fovY * 0.5);
+  const double tanX = tanY * aspectOf(towards);
+  const glm::dvec3 right = glm::cross(towards.forward, towards.up);
+  // The nearest eye along the direction from which all corners of the bounds are inside the frustum.
+  double distance = 1e-6;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p((corner & 1) != 0 ? scene.bounds.max.x : scene.bounds.min.x,
+                       (corner & 2) != 0 ? scene.bounds.max.y : scene.bounds.min.y,
+                       (corner & 4) != 0 ? scene.bounds.max.z : scene.bounds.min.z);
+    const glm::dvec3 d = p - centre;
+    const double depth = glm::dot(d, towards.forward);
+    distance = std::max({distance, std::abs(glm::dot(d, right)) / tanX - depth,
+                         std::abs(glm::dot(d, towards.up)) / tanY - depth});
+  }
+  return lookAt(centre + direction * (distance * kMargin), centre, kFovY, width, height, defaultNear(scene));
 }
 
 double defaultNear(const Scene& scene) { return std::clamp(scene.bounds.diagonal() * 1e-3, 1e-6, 0.05); }

@@ -139,7 +139,7 @@ struct Kernels {
     std::vector<double> first;
     std::vector<double> second;
     for (int i = -featureRadius; i <= featureRadius; ++i) {
-      const double weight = gauss[static_cast<std::size_t>(i + featureRadius)];
+      const double weight = gauss[first.size()];
       first.push_back(-i * weight);
       second.push_back((squared(i / sigma) - 1.0) * weight);
     }

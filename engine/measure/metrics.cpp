@@ -99,8 +99,8 @@ Result<double> psnr(const Image& reference, const Image& test) {
     squares += static_cast<std::uint64_t>(difference * difference);
   }
   if (squares == 0) return std::numeric_limits<double>::infinity();
-  const double values = static_cast<double>(reference.pixels.size() / 4) * 3.0;
-  return 10.0 * std::log10(255.0 * 255.0 * values / static_cast<double>(squares));
+  const std::size_t values = reference.pixels.size() / 4 * 3;
+  return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(values) / static_cast<double>(squares));
 }
 
 }  // namespace tessera

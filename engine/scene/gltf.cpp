@@ -12,12 +12,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Calls `one(primitive, m, p)` for the JSON of every primitive.
+template <class J, class One>
+void forEachPrimitive(J& json, const One& one) {
+  if (!json.contains("meshes")) return;
+  auto& meshes = json["meshes"];
+  for (std::size_t m = 0; m < meshes.size(); ++m)
+    for (std::size_t p = 0; p < meshes[m]["primitives"].size(); ++p) one(meshes[m]["primitives"][p], m, p);
+}
+
 /// tinygltf's reading of the JSON. It gets neither buffers nor images: those are read by readBuffers and
 /// buildImages, which check where they read; what it takes as a given has been checked by checkGltfSchema.
+/// The accessors of indices are put in afterwards, since tinygltf refuses those without buffer view, which
+/// may be sparse.
 Result<tinygltf::Model> parseModel(const GltfDocument& document) {
   nlohmann::json json = document.json;
   json.erase("buffers");
   json.erase("images");
+  forEachPrimitive(json, [](auto& primitive, std::size_t, std::size_t) { primitive.erase("indices"); });
   const std::string text = json.dump();
   tinygltf::TinyGLTF parser;
   tinygltf::Model model;
@@ -26,6 +38,9 @@ Result<tinygltf::Model> parseModel(const GltfDocument& document) {
   if (!parser.LoadASCIIFromString(&model, &error, &warning, text.data(),
                                   static_cast<unsigned int>(text.size()), "", tinygltf::NO_REQUIRE))
     return fail("{}: {}", document.file, printable(error));
+  forEachPrimitive(document.json, [&](const auto& primitive, std::size_t m, std::size_t p) {
+    model.meshes[m].primitives[p].indices = primitive.value("indices", -1);
+  });
   return model;
 }
 

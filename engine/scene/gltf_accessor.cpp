@@ -33,14 +33,22 @@ std::size_t componentCount(int type) {
   return static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type)));
 }
 
-/// Bytes of one element. Columns of small matrices start at multiples of 4 (glTF 2.0 sec. 3.6.2.4).
-std::size_t elementSize(const tinygltf::Accessor& accessor) {
+/// Bytes of one element. Columns of small matrices start at multiples of 4 (glTF 2.0 sec. 3.6.2.4); the last
+/// one of an accessor need not be padded.
+struct ElementSize {
+  std::size_t padded;
+  std::size_t last;
+};
+
+ElementSize elementSize(const tinygltf::Accessor& accessor) {
   const std::size_t size = componentSize(accessor.componentType);
   std::size_t rows = 0;
   if (accessor.type == TINYGLTF_TYPE_MAT2) rows = 2;
   if (accessor.type == TINYGLTF_TYPE_MAT3) rows = 3;
   if (accessor.type == TINYGLTF_TYPE_MAT4) rows = 4;
-  return rows == 0 ? size * componentCount(accessor.type) : rows * ((rows * size + 3) / 4 * 4);
+  if (rows == 0) return {size * componentCount(accessor.type), size * componentCount(accessor.type)};
+  const std::size_t column = (rows * size + 3) / 4 * 4;
+  return {rows * column, (rows - 1) * column + rows * size};
 }
 
 /// A run of `count` elements in a buffer view.
@@ -48,7 +56,7 @@ struct Run {
   int view = -1;
   std::size_t offset = 0;
   std::size_t count = 0;
-  std::size_t size = 0;       // bytes an element
+  std::size_t size = 0;       // bytes of the last element
   std::size_t stride = 0;     // bytes from one element to the next
   std::size_t alignment = 1;  // of the first element in the buffer
 };
@@ -58,11 +66,10 @@ std::size_t strideOf(const tinygltf::BufferView& view, std::size_t size) {
 }
 
 Run mainRun(const tinygltf::Model& model, const tinygltf::Accessor& accessor) {
-  const std::size_t size = elementSize(accessor);
+  const ElementSize size = elementSize(accessor);
   const auto& view = model.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
-  return {accessor.bufferView,  accessor.byteOffset,
-          accessor.count,       size,
-          strideOf(view, size), componentSize(accessor.componentType)};
+  return {accessor.bufferView, accessor.byteOffset,         accessor.count,
+          size.last,           strideOf(view, size.padded), componentSize(accessor.componentType)};
 }
 
 Run sparseIndexRun(const tinygltf::Accessor& accessor) {
@@ -76,12 +83,12 @@ Run sparseIndexRun(const tinygltf::Accessor& accessor) {
 }
 
 Run sparseValueRun(const tinygltf::Accessor& accessor) {
-  const std::size_t size = elementSize(accessor);
+  const ElementSize size = elementSize(accessor);
   return {accessor.sparse.values.bufferView,
           static_cast<std::size_t>(accessor.sparse.values.byteOffset),
           static_cast<std::size_t>(accessor.sparse.count),
-          size,
-          size,
+          size.last,
+          size.padded,
           componentSize(accessor.componentType)};
 }
 
@@ -108,7 +115,7 @@ Result<void> checkViews(const std::string& file, const tinygltf::Model& model,
                         std::span<const GltfBuffer> buffers) {
   for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
     const auto& view = model.bufferViews[i];
-    const std::size_t bytes = buffers[static_cast<std::size_t>(view.buffer)].bytes.size();
+    const std::size_t bytes = buffers[static_cast<std::size_t>(view.buffer)].length;
     if (view.byteOffset > bytes || view.byteLength > bytes - view.byteOffset)
       return fail("{}: bufferView {}: {} bytes at {} are past the {} bytes of buffer {}", file, i,
                   view.byteLength, view.byteOffset, bytes, view.buffer);
@@ -198,44 +205,59 @@ const tinygltf::Accessor& GltfAccessors::description(int accessor) const {
 
 std::span<const std::uint8_t> GltfAccessors::view(int bufferView) const {
   const auto& view = model_->bufferViews[static_cast<std::size_t>(bufferView)];
-  return buffers_[static_cast<std::size_t>(view.buffer)].bytes.subspan(view.byteOffset, view.byteLength);
+  const std::span<const std::uint8_t> bytes = buffers_[static_cast<std::size_t>(view.buffer)].bytes;
+  return bytes.empty() ? bytes : bytes.subspan(view.byteOffset, view.byteLength);
+}
+
+Result<void> GltfAccessors::checkOne(const std::string& what, const tinygltf::Accessor& accessor) const {
+  if (componentSize(accessor.componentType) == 0)
+    return fail("{}: componentType {} is not supported", what, accessor.componentType);
+  if (accessor.bufferView >= 0) {
+    if (auto ok = checkRun(what, *model_, mainRun(*model_, accessor)); !ok) return ok;
+    if (auto ok = checkData(what, accessor.bufferView); !ok) return ok;
+  } else if (accessor.count > kMaxUnbackedElements) {
+    return fail("{}: count {} without bufferView is past the limit of {}", what, accessor.count,
+                kMaxUnbackedElements);
+  }
+  return accessor.sparse.isSparse ? checkSparse(what + ", sparse", accessor) : Result<void>{};
+}
+
+Result<void> GltfAccessors::checkSparse(const std::string& what, const tinygltf::Accessor& accessor) const {
+  const auto& sparse = accessor.sparse;
+  const int type = sparse.indices.componentType;
+  if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+      type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+    return fail("{} indices: componentType {} is not an unsigned integer", what, type);
+  if (static_cast<std::size_t>(sparse.count) > accessor.count)
+    return fail("{}: count {} is past the {} elements", what, sparse.count, accessor.count);
+  if (auto ok = checkRun(what + " indices", *model_, sparseIndexRun(accessor)); !ok) return ok;
+  if (auto ok = checkRun(what + " values", *model_, sparseValueRun(accessor)); !ok) return ok;
+  for (const int view : {sparse.indices.bufferView, sparse.values.bufferView})
+    if (auto ok = checkData(what, view); !ok) return ok;
+  const auto indices = readSparseIndices(view(sparse.indices.bufferView), accessor);
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    if (indices[k] >= accessor.count)
+      return fail("{}: index {} is past {} elements", what, indices[k], accessor.count);
+    if (k > 0 && indices[k] <= indices[k - 1])
+      return fail("{}: index {} does not follow {}", what, indices[k], indices[k - 1]);
+  }
+  return {};
+}
+
+Result<void> GltfAccessors::checkData(const std::string& what, int bufferView) const {
+  const int buffer = model_->bufferViews[static_cast<std::size_t>(bufferView)].buffer;
+  if (buffers_[static_cast<std::size_t>(buffer)].bytes.empty())
+    return fail("{}: buffer {} has no data: its uri is missing", what, buffer);
+  return {};
 }
 
 Result<GltfAccessors> GltfAccessors::check(const std::string& file, const tinygltf::Model& model,
                                            std::span<const GltfBuffer> buffers) {
   if (auto ok = checkViews(file, model, buffers); !ok) return tl::unexpected(ok.error());
   const GltfAccessors accessors(model, buffers);
-  for (std::size_t i = 0; i < model.accessors.size(); ++i) {
-    const tinygltf::Accessor& accessor = model.accessors[i];
-    const std::string what = fmt::format("{}: accessor {}", file, i);
-    if (componentSize(accessor.componentType) == 0)
-      return fail("{}: componentType {} is not supported", what, accessor.componentType);
-    if (accessor.bufferView >= 0) {
-      if (auto ok = checkRun(what, model, mainRun(model, accessor)); !ok) return tl::unexpected(ok.error());
-    } else if (accessor.count > kMaxUnbackedElements) {
-      return fail("{}: count {} without bufferView is past the limit of {}", what, accessor.count,
-                  kMaxUnbackedElements);
-    }
-    if (!accessor.sparse.isSparse) continue;
-    const std::string sparse = what + ", sparse";
-    const int type = accessor.sparse.indices.componentType;
-    if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
-        type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-      return fail("{} indices: componentType {} is not an unsigned integer", sparse, type);
-    if (static_cast<std::size_t>(accessor.sparse.count) > accessor.count)
-      return fail("{}: count {} is past the {} elements", sparse, accessor.sparse.count, accessor.count);
-    if (auto ok = checkRun(sparse + " indices", model, sparseIndexRun(accessor)); !ok)
+  for (std::size_t i = 0; i < model.accessors.size(); ++i)
+    if (auto ok = accessors.checkOne(fmt::format("{}: accessor {}", file, i), model.accessors[i]); !ok)
       return tl::unexpected(ok.error());
-    if (auto ok = checkRun(sparse + " values", model, sparseValueRun(accessor)); !ok)
-      return tl::unexpected(ok.error());
-    const auto indices = readSparseIndices(accessors.view(accessor.sparse.indices.bufferView), accessor);
-    for (std::size_t k = 0; k < indices.size(); ++k) {
-      if (indices[k] >= accessor.count)
-        return fail("{}: index {} is past {} elements", sparse, indices[k], accessor.count);
-      if (k > 0 && indices[k] <= indices[k - 1])
-        return fail("{}: index {} does not follow {}", sparse, indices[k], indices[k - 1]);
-    }
-  }
   return accessors;
 }
 

@@ -24,7 +24,7 @@ class GltfAccessors {
   [[nodiscard]] std::size_t components(int accessor) const;
   [[nodiscard]] std::size_t count(int accessor) const;
   [[nodiscard]] const tinygltf::Accessor& description(int accessor) const;
-  /// The bytes of a buffer view.
+  /// The bytes of a buffer view; none if its buffer has none.
   [[nodiscard]] std::span<const std::uint8_t> view(int bufferView) const;
 
   /// Elements as floats, `components` an element; integers of a normalized accessor become [0, 1] or [-1, 1]
@@ -38,6 +38,9 @@ class GltfAccessors {
   GltfAccessors(const tinygltf::Model& model, std::span<const GltfBuffer> buffers)
       : model_(&model), buffers_(buffers) {}
 
+  [[nodiscard]] Result<void> checkOne(const std::string& what, const tinygltf::Accessor& accessor) const;
+  [[nodiscard]] Result<void> checkSparse(const std::string& what, const tinygltf::Accessor& accessor) const;
+  [[nodiscard]] Result<void> checkData(const std::string& what, int bufferView) const;
   template <class Out>
   [[nodiscard]] std::vector<Out> readAll(int accessor) const;
 

@@ -29,8 +29,6 @@ Result<std::vector<float>> readTimes(const GltfInput& input, const std::string& 
   std::vector<float> times = input.accessors.floats(accessor);
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (!std::isfinite(times[i]) || times[i] < 0.0f) return fail("{}: time {} is {}", what, i, times[i]);
-    if (i > 0 && times[i] <= times[i - 1])
-      return fail("{}: time {} is {}, not after {}", what, i, times[i], times[i - 1]);
   }
   return times;
 }
@@ -63,6 +61,24 @@ Result<std::vector<glm::vec4>> readValues(const GltfInput& input, const std::str
     for (std::size_t i = perKey / 2; i < values.size(); i += perKey)
       if (glm::length(values[i]) < 1e-6f) return fail("{}: rotation {} has length 0", what, i);
   return values;
+}
+
+/// Removes keys that are not after the one before; returns whether there were any. Exporters write a time
+/// twice.
+bool dropUnorderedKeys(AnimationChannel& channel) {
+  const std::size_t perKey = channel.values.size() / channel.times.size();
+  std::size_t kept = 1;
+  for (std::size_t i = 1; i < channel.times.size(); ++i) {
+    if (channel.times[i] <= channel.times[kept - 1]) continue;
+    channel.times[kept] = channel.times[i];
+    for (std::size_t k = 0; k < perKey; ++k)
+      channel.values[kept * perKey + k] = channel.values[i * perKey + k];
+    ++kept;
+  }
+  const bool dropped = kept < channel.times.size();
+  channel.times.resize(kept);
+  channel.values.resize(kept * perKey);
+  return dropped;
 }
 
 class AnimationBuilder {
@@ -104,6 +120,8 @@ class AnimationBuilder {
     auto values = readValues(input_, what, sampler.output, *property, made.interpolation, made.times.size());
     if (!values) return tl::unexpected(values.error());
     made.values = std::move(*values);
+    if (dropUnorderedKeys(made))
+      input_.warnings.add("keys that are not after the one before are left out", element);
     place(channel.target_node, element, std::move(made), out);
     return {};
   }

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <string_view>
 
+#include <fmt/ranges.h>
+
 #include "engine/core/file.hpp"
 
 namespace tessera {
@@ -185,11 +187,10 @@ Result<GltfDocument> readGltfDocument(const std::filesystem::path& path) {
   auto bytes = readFile(path);
   if (!bytes) return tl::unexpected(bytes.error());
   document.bytes = std::move(*bytes);
-  if (document.bytes.size() < 4)
-    return fail("{}: {} bytes are too few for a glTF file", document.file, document.bytes.size());
+  if (document.bytes.empty()) return fail("{}: file has no bytes", document.file);
 
   Bytes text = document.bytes;
-  if (littleEndian32(text, 0) == kGlbMagic) {
+  if (text.size() >= 4 && littleEndian32(text, 0) == kGlbMagic) {
     auto json = splitGlb(document);
     if (!json) return tl::unexpected(json.error());
     text = *json;
@@ -197,8 +198,8 @@ Result<GltfDocument> readGltfDocument(const std::filesystem::path& path) {
                  text,
                  [](std::uint8_t c) { return std::strchr(" \t\r\n\xef\xbb\xbf", c) == nullptr || c == 0; });
              first == text.end() || *first != '{') {
-    return fail("{}: magic {:#010x} is neither GLB ('glTF') nor JSON ('{{')", document.file,
-                littleEndian32(text, 0));
+    return fail("{}: starts with {:02x}, which is neither GLB ('glTF') nor JSON ('{{')", document.file,
+                fmt::join(text.first(std::min<std::size_t>(text.size(), 4)), " "));
   }
   auto json = parseJson(document.file, text);
   if (!json) return tl::unexpected(json.error());

@@ -1,9 +1,11 @@
 #include "engine/scene/gltf_geometry.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
+
+#include "engine/scene/weld.hpp"
 
 namespace tessera {
 namespace {
@@ -52,41 +54,18 @@ bool usable(const glm::vec3& normal) {
   return std::isfinite(length) && length > kMinNormal;
 }
 
-std::uint64_t mix(std::uint64_t hash, std::uint32_t word) {
-  hash = (hash ^ word) * 0x9e3779b97f4a7c15ULL;
-  return hash ^ hash >> 29;
-}
-
-std::uint64_t hashVertex(const Vertices& vertices, std::size_t v) {
-  std::uint64_t hash = 0;
+/// All attributes of all vertices, `width` floats a vertex.
+std::vector<float> vertexKeys(const Vertices& vertices, std::size_t& width) {
+  width = 0;
+  forEachAttribute(vertices, [&](const auto& attribute) { width += sizeof(attribute[0]) / sizeof(float); });
+  std::vector<float> keys(vertices.position.size() * width);
+  std::size_t column = 0;
   forEachAttribute(vertices, [&](const auto& attribute) {
-    for (int c = 0; c < attribute[v].length(); ++c)
-      hash = mix(hash, std::bit_cast<std::uint32_t>(attribute[v][c]));
+    for (std::size_t v = 0; v < attribute.size(); ++v)
+      std::memcpy(&keys[v * width + column], &attribute[v], sizeof attribute[v]);
+    column += sizeof(attribute[0]) / sizeof(float);
   });
-  return hash;
-}
-
-bool sameVertex(const Vertices& vertices, std::size_t a, std::size_t b) {
-  bool same = true;
-  forEachAttribute(vertices, [&](const auto& attribute) {
-    same = same && std::memcmp(&attribute[a], &attribute[b], sizeof attribute[a]) == 0;
-  });
-  return same;
-}
-
-/// For each vertex, the first vertex that equals it. Open addressing, at most half full.
-std::vector<std::uint32_t> firstEqual(const Vertices& vertices) {
-  const std::size_t count = vertices.position.size();
-  const std::size_t mask = std::bit_ceil(std::max<std::size_t>(count * 2, 2)) - 1;
-  std::vector<std::uint32_t> table(mask + 1, kNone);
-  std::vector<std::uint32_t> first(count);
-  for (std::size_t v = 0; v < count; ++v) {
-    std::size_t slot = hashVertex(vertices, v) & mask;
-    while (table[slot] != kNone && !sameVertex(vertices, table[slot], v)) slot = (slot + 1) & mask;
-    if (table[slot] == kNone) table[slot] = static_cast<std::uint32_t>(v);
-    first[v] = table[slot];
-  }
-  return first;
+  return keys;
 }
 
 }  // namespace
@@ -160,7 +139,9 @@ std::size_t repairNormals(Geometry& geometry) {
 }
 
 void weld(Geometry& geometry) {
-  const std::vector<std::uint32_t> first = firstEqual(geometry.vertices);
+  std::size_t width = 0;
+  const std::vector<float> keys = vertexKeys(geometry.vertices, width);
+  const std::vector<std::uint32_t> first = firstEqual(keys, width);
   std::vector<std::uint32_t> number(first.size(), kNone);
   std::vector<std::uint32_t> order;
   const auto append = [&](std::uint32_t v) {

@@ -34,8 +34,9 @@ void makeFlat(Geometry& geometry);
 /// (+z if all of them have none). Returns how many were replaced.
 std::size_t repairNormals(Geometry& geometry);
 
-/// Merges vertices whose attributes are all bitwise equal, in the order of their first use, and drops unused
-/// ones. A triangle that would lose a corner by that keeps vertices of its own, so that no index is repeated.
+/// Merges vertices whose attributes are all equal (firstEqual), in the order of their first use, and drops
+/// unused ones. A triangle that would lose a corner by that keeps vertices of its own, so that no index is
+/// repeated.
 void weld(Geometry& geometry);
 
 /// Numbers the vertices that `indices` use from 0 in the order of their first use, in place; returns the old

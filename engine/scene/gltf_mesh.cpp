@@ -5,9 +5,7 @@
 
 #include "engine/scene/gltf_build.hpp"
 #include "engine/scene/gltf_geometry.hpp"
-#if __has_include("engine/scene/tangents.hpp")
 #include "engine/scene/tangents.hpp"
-#endif
 
 namespace tessera {
 namespace {
@@ -360,13 +358,9 @@ class MeshBuilder {
     for (const std::uint32_t index : geometry.indices) scene_.indices.push_back(made.firstVertex + index);
     scene_.primitives.push_back(made);
 
-#if __has_include("engine/scene/tangents.hpp")
     if (needs.tangent && in.tangent.empty())
       generateTangents(scene_, static_cast<std::uint32_t>(scene_.primitives.size() - 1),
                        scene_.materials[material].normal.uvSet);
-#else
-    (void)needs;
-#endif
     return {};
   }
 

@@ -7,6 +7,7 @@
 namespace tessera {
 namespace {
 
+constexpr double kMaxFovY = 3.12413936106985;  // 179 degrees
 constexpr std::size_t kMaxInstances = std::size_t{1} << 24;
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
@@ -119,8 +120,10 @@ Result<Camera> toCamera(const GltfInput& input, std::size_t index) {
   out.zFar = out.perspective ? in.perspective.zfar : in.orthographic.zfar;
   if (out.perspective) {
     out.fovY = in.perspective.yfov;
-    if (out.fovY >= 3.14159)
-      return fail("{}: camera {}: yfov {} is not below pi", input.file, index, out.fovY);
+    if (out.fovY > kMaxFovY) {
+      input.warnings.add("yfov is not below 179 degrees: made so", fmt::format("camera {}", index));
+      out.fovY = kMaxFovY;
+    }
   } else {
     out.yMag = std::abs(in.orthographic.ymag);
     if (in.orthographic.xmag == 0.0 || out.yMag == 0.0)

@@ -64,15 +64,27 @@ Result<std::string> decodePercent(const std::string& what, const std::string& ur
       c = static_cast<char>(high * 16 + low);
       i += 2;
     }
-    if (c == '\0') return fail("{}: URI '{}' has a zero byte", what, printable(uri));
     out.push_back(c);
   }
   return out;
 }
 
+/// "data:[<type>][;base64],<data>" (RFC 2397).
+Result<std::vector<std::uint8_t>> decodeDataUri(const std::string& what, const std::string& uri) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string::npos)
+    return fail("{}: data URI '{}' has no comma", what, printable(uri.substr(0, 40)));
+  if (std::string_view(uri).substr(0, comma).ends_with(";base64"))
+    return decodeBase64(what, std::string_view(uri).substr(comma + 1));
+  const auto text = decodePercent(what, uri.substr(comma + 1));
+  if (!text) return tl::unexpected(text.error());
+  return std::vector<std::uint8_t>(text->begin(), text->end());
+}
+
 /// The file that a relative path names, symbolic links resolved, known to lie in `folder`.
 Result<fs::path> resolve(const std::string& what, const std::string& name, const fs::path& folder) {
   const std::string shown = printable(name);
+  if (name.find('\0') != std::string::npos) return fail("{}: path '{}' has a zero byte", what, shown);
   const std::size_t colon = name.find(':');
   if (colon != std::string::npos && name.find('/') > colon)
     return fail("{}: URI '{}' has a scheme; only data and files beside the scene are read", what, shown);
@@ -95,12 +107,7 @@ Result<fs::path> resolve(const std::string& what, const std::string& name, const
 
 Result<std::vector<std::uint8_t>> readUri(const std::string& what, const std::string& uri,
                                           const fs::path& folder, std::uint64_t maxBytes) {
-  if (uri.starts_with("data:")) {
-    const std::size_t comma = uri.find(',');
-    if (comma == std::string::npos || !std::string_view(uri).substr(0, comma).ends_with(";base64"))
-      return fail("{}: data URI '{}' is not base64", what, printable(uri.substr(0, 40)));
-    return decodeBase64(what, std::string_view(uri).substr(comma + 1));
-  }
+  if (uri.starts_with("data:")) return decodeDataUri(what, uri);
   const auto name = decodePercent(what, uri);
   if (!name) return tl::unexpected(name.error());
   const auto path = resolve(what, *name, folder);
@@ -118,6 +125,7 @@ Result<std::vector<GltfBuffer>> readBuffers(const GltfDocument& document, const 
     const std::string what = fmt::format("{}: buffer {}", document.file, i);
     const auto length = list[i]["byteLength"].get<std::uint64_t>();
     GltfBuffer buffer;
+    buffer.length = length;
     if (list[i].contains("uri")) {
       auto bytes = readUri(what, list[i]["uri"].get<std::string>(), folder, kMaxBufferBytes);
       if (!bytes) return tl::unexpected(bytes.error());
@@ -129,7 +137,8 @@ Result<std::vector<GltfBuffer>> readBuffers(const GltfDocument& document, const 
     } else if (i == 0 && document.hasBin) {
       buffer.bytes = document.bin;
     } else {
-      return fail("{}: uri is missing{}", what, i == 0 ? " and there is no BIN chunk" : "");
+      buffers.push_back(std::move(buffer));
+      continue;
     }
     if (length > buffer.bytes.size())
       return fail("{}: byteLength {} is past the {} bytes there are", what, length, buffer.bytes.size());

@@ -138,7 +138,7 @@ constexpr Field kMaterial[] = {object("pbrMetallicRoughness", kPbr),
                                boolean("doubleSided"),
                                object("extensions", kMaterialExtensions)};
 
-constexpr Field kPerspective[] = {number("yfov", FLT_MIN, 2 * kHalfPi, true),
+constexpr Field kPerspective[] = {number("yfov", FLT_MIN, FLT_MAX, true),
                                   number("znear", FLT_MIN, FLT_MAX, true), number("zfar", FLT_MIN)};
 constexpr Field kOrthographic[] = {number("xmag", -FLT_MAX, FLT_MAX, true),
                                    number("ymag", -FLT_MAX, FLT_MAX, true), number("zfar", 0, FLT_MAX, true),
@@ -335,10 +335,34 @@ class Checker {
   const Json& root_;
 };
 
+/// The rules that the tables cannot say: a multiple, and properties that another one asks for.
+Result<void> checkPairs(const std::string& file, const Json& json) {
+  const Json none = Json::array();
+  const auto list = [&](const char* key) -> const Json& { return json.contains(key) ? json[key] : none; };
+  for (std::size_t i = 0; i < list("bufferViews").size(); ++i) {
+    const int stride = list("bufferViews")[i].value("byteStride", 4);
+    if (stride % 4 != 0)
+      return fail("{}: bufferView {}: byteStride {} is not a multiple of 4", file, i, stride);
+  }
+  for (std::size_t i = 0; i < list("cameras").size(); ++i) {
+    const Json& camera = list("cameras")[i];
+    const auto type = camera["type"].get<std::string>();
+    if (!camera.contains(type)) return fail("{}: camera {}: {} is missing", file, i, type);
+  }
+  const Json::json_pointer lights("/extensions/KHR_lights_punctual/lights");
+  for (std::size_t i = 0; json.contains(lights) && i < json[lights].size(); ++i) {
+    const Json& light = json[lights][i];
+    if (light["type"] == "spot" && !light.contains("spot"))
+      return fail("{}: light {}: spot is missing", file, i);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> checkGltfSchema(const std::string& file, nlohmann::json& json) {
-  return Checker(file, json).check(kRoot, json, "", "");
+  if (auto ok = Checker(file, json).check(kRoot, json, "", ""); !ok) return ok;
+  return checkPairs(file, json);
 }
 
 }  // namespace tessera

@@ -5,10 +5,6 @@
 
 layout(local_size_x = RECT_GROUP) in;
 
-shared uint groupTexels;
-shared uint groupRecords;
-shared uint groupFailures;
-
 uint takeSlot(uint w, uint h, LevelState level, uint slot) {
   uint place = slot + level.slotOffset;
   uint perSuperblockLog2 = 2u * atlas.config.superblockLog2 - w - h;
@@ -18,53 +14,32 @@ uint takeSlot(uint w, uint h, LevelState level, uint slot) {
   return blockOrigin(atlas.config, superblock, index, w, h);
 }
 
-// The level that the patch ends up with.
-uint assign(uint patchId) {
-  PatchState state = patchStates[patchId];
-  if ((state.level & kLevelPending) == 0u) return state.level;
-  uint w = levelWidth(state.level);
-  uint h = levelHeight(state.level);
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= visibleCount) return;
+  uint patchId = visibleIds[i];
+  uint size = patchStates[patchId].level;
+  if ((size & kLevelPending) == 0u) return;
+  size &= kLevelSize | kLevelTransposed;
+  uint w = levelWidth(size);
+  uint h = levelHeight(size);
   uint l = levelIndex(w, h);
+  uint slot = patchStates[patchId].origin;
   LevelState level = atlas.levels[l];
-  state.level &= kLevelSize | kLevelTransposed;
-  if (state.origin < level.slotCount) {
-    state.origin = takeSlot(w, h, level, state.origin);
+  uint origin;
+  if (slot < level.slotCount) {
+    origin = takeSlot(w, h, level, slot);
   } else {
     int place = atomicAdd(atlas.levels[l].stackCount, -1) - 1;
-    if (place < 0) {
-      atomicAdd(atlas.levels[l].stackCount, 1);
-      atomicAdd(groupFailures, 1u);
-      state.level = 0u;
-      state.origin = recordOrigin(atlas.config, patchId);
+    if (place >= 0) {
+      origin = stackEntries[level.stackBase + uint(place)];
     } else {
-      state.origin = stackEntries[level.stackBase + uint(place)];
+      atomicAdd(atlas.levels[l].stackCount, 1);
+      atomicAdd(atlas.failures, 1u);
+      size = 0u;
+      origin = recordOrigin(atlas.config, patchId);
     }
   }
-  patchStates[patchId] = state;
-  return state.level;
-}
-
-void main() {
-  if (gl_LocalInvocationIndex == 0u) {
-    groupTexels = 0u;
-    groupRecords = 0u;
-    groupFailures = 0u;
-  }
-  barrier();
-  uint i = gl_GlobalInvocationID.x;
-  if (i < visibleCount) {
-    uint patchId = visibleIds[i];
-    uint level = assign(patchId);
-    liveIds[i] = patchId;
-    if (levelWidth(level) > 0u)
-      atomicAdd(groupTexels, levelTexels(level));
-    else
-      atomicAdd(groupRecords, 1u);
-  }
-  barrier();
-  if (gl_LocalInvocationIndex == 0u) {
-    if (groupTexels > 0u) atomicAdd(atlas.liveTexels, groupTexels);
-    if (groupRecords > 0u) atomicAdd(atlas.records, groupRecords);
-    if (groupFailures > 0u) atomicAdd(atlas.failures, groupFailures);
-  }
+  patchStates[patchId].origin = origin;
+  patchStates[patchId].level = size;
 }

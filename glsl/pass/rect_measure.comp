@@ -15,9 +15,6 @@ layout(std430, binding = BIND_ATLAS_STATE) buffer AtlasStates { AtlasState atlas
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[RECT_VIEWS]; };
 layout(location = LOCATION_COUNT) uniform uint uViews;
 
-shared uint groupTexels;
-shared uint groupOnes;
-
 vec3 corner(InstanceGpu instance, uint vertex) {
   return transformPoint(instance, vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
 }
@@ -45,24 +42,16 @@ PatchMeasure measureVisible(uint patchId) {
 }
 
 void main() {
-  if (gl_LocalInvocationIndex == 0u) {
-    groupTexels = 0u;
-    groupOnes = 0u;
-  }
-  barrier();
   uint i = gl_GlobalInvocationID.x;
-  if (i < visibleCount) {
-    PatchMeasure measure = measureVisible(visibleIds[i]);
-    measures[i] = measure;
-    uint texels = idealTexels(measure, atlas.config.constantBias, atlas.config.superblockLog2);
-    // At most RECT_GROUP * 2^20 texels a group: no overflow.
-    atomicAdd(groupTexels, texels);
-    if (texels == 1u) atomicAdd(groupOnes, 1u);
-  }
-  barrier();
-  if (gl_LocalInvocationIndex == 0u && groupTexels > 0u) {
-    uint before = atomicAdd(atlas.idealLow, groupTexels);
-    if (before + groupTexels < before) atomicAdd(atlas.idealHigh, 1u);
-    atomicAdd(atlas.ones, groupOnes);
+  if (i >= visibleCount) return;
+  PatchMeasure measure = measureVisible(visibleIds[i]);
+  measures[i] = measure;
+  uint texels = idealTexels(measure, atlas.config.constantBias, atlas.config.superblockLog2);
+  uint part = gl_WorkGroupID.x % kIdealSums;
+  if (texels == 1u) {
+    atomicAdd(atlas.ideal[part].ones, 1u);
+  } else {
+    uint before = atomicAdd(atlas.ideal[part].low, texels);
+    if (before + texels < before) atomicAdd(atlas.ideal[part].high, 1u);
   }
 }

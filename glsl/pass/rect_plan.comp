@@ -11,6 +11,18 @@ const uint kLongestWait = 64u;
 
 shared bool freeing;
 
+float biasOfVisible() {
+  uint low = 0u;
+  uint high = 0u;
+  uint ones = 0u;
+  for (uint part = 0u; part < kIdealSums; ++part) {
+    low += atlas.ideal[part].low;
+    high += atlas.ideal[part].high + (low < atlas.ideal[part].low ? 1u : 0u);
+    ones += atlas.ideal[part].ones;
+  }
+  return pressureBias(low, high, ones, atlas.target);
+}
+
 bool openFrame() {
   AtlasConfig config = atlas.config;
   uint visible = max(visibleCount, liveCount);
@@ -37,11 +49,8 @@ bool openFrame() {
     atlas.superblocksUsed = 0u;
     atlas.cutTexels = 0u;
   }
-  atlas.pressureBias =
-      config.pressure != 0u ? pressureBias(atlas.idealLow, atlas.idealHigh, atlas.ones, atlas.target) : 0.0;
+  atlas.pressureBias = config.pressure != 0u ? biasOfVisible() : 0.0;
   atlas.failures = 0u;
-  atlas.liveTexels = 0u;
-  atlas.records = 0u;
   ++atlas.frames;
   return reset;
 }
@@ -49,8 +58,13 @@ bool openFrame() {
 void main() {
   if (gl_LocalInvocationIndex == 0u) freeing = openFrame();
   barrier();
-  if (!freeing) return;
   uint i = gl_LocalInvocationIndex;
+  if (i < kIdealSums) {  // for the next frame's measuring
+    atlas.ideal[i].low = 0u;
+    atlas.ideal[i].high = 0u;
+    atlas.ideal[i].ones = 0u;
+  }
+  if (!freeing) return;
   if (i < kLevels) {
     atlas.levels[i].stackCount = 0;
     atlas.levels[i].existing = 0u;

@@ -49,9 +49,6 @@ void main() {
   uint popped = before >= atlas.config.superblocks ? 0u : min(wanted, atlas.config.superblocks - before);
   if (w == log2Size) {
     atlas.superblocksUsed = min(before + wanted, atlas.config.superblocks);
-    atlas.idealLow = 0u;
-    atlas.idealHigh = 0u;
-    atlas.ones = 0u;
     atlas.visible = visibleCount;
     liveCount = visibleCount;
   }

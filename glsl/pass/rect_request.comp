@@ -7,27 +7,29 @@ layout(std430, binding = BIND_VISIBLE_MARK) readonly buffer Marks { uint marks[]
 layout(std430, binding = BIND_PATCH_MEASURE) readonly buffer Measures { PatchMeasure measures[]; };
 layout(location = LOCATION_FRAME) uniform uint uFrame;
 
+// Fields of a patch state are read one by one, when they are needed: most patches neither come nor go.
 void release(uint patchId) {
   if (marks[patchId] == uFrame) return;  // still visible: its own thread decides
-  PatchState state = patchStates[patchId];
-  if (state.epoch != atlas.epoch || levelWidth(state.level) == 0u) return;
-  pushBlock(state.level, state.origin);
+  if (patchStates[patchId].epoch != atlas.epoch) return;
+  uint level = patchStates[patchId].level;
+  if (levelWidth(level) == 0u) return;
+  pushBlock(level, patchStates[patchId].origin);
   patchStates[patchId].origin = recordOrigin(atlas.config, patchId);
   patchStates[patchId].level = 0u;
 }
 
 void request(uint patchId, PatchMeasure measure) {
-  PatchState state = patchStates[patchId];
-  bool known = state.epoch == atlas.epoch;
+  uint current = patchStates[patchId].level;
+  bool known = patchStates[patchId].epoch == atlas.epoch;
   uint level = selectLevel(measure, atlas.config.constantBias, atlas.pressureBias, atlas.config.superblockLog2,
-                           state.level, known ? atlas.config.hysteresis : -1.0);
+                           current, known ? atlas.config.hysteresis : -1.0);
   if (known) {
-    if (state.level == level) return;
-    if ((state.level & kLevelSize) == (level & kLevelSize)) {  // the same block, seen the other way round
+    if (current == level) return;
+    if ((current & kLevelSize) == (level & kLevelSize)) {  // the same block, seen the other way round
       patchStates[patchId].level = level;
       return;
     }
-    if (levelWidth(state.level) > 0u) pushBlock(state.level, state.origin);
+    if (levelWidth(current) > 0u) pushBlock(current, patchStates[patchId].origin);
   }
   if (levelWidth(level) > 0u) {
     uint slot = atomicAdd(atlas.levels[levelIndexOf(level)].requested, 1u);
@@ -40,5 +42,9 @@ void request(uint patchId, PatchMeasure measure) {
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i < liveCount) release(liveIds[i]);
-  if (i < visibleCount) request(visibleIds[i], measures[i]);
+  if (i < visibleCount) {
+    uint patchId = visibleIds[i];
+    request(patchId, measures[i]);
+    liveIds[i] = patchId;  // for the next frame; nobody else reads place i. provision sets the count
+  }
 }

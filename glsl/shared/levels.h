@@ -202,11 +202,11 @@ SHARED_FN uint idealTexels(PatchMeasure measure, float bias, uint maxLog2) {
 }
 
 // b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least 0: room to spare does not make blocks larger
-// than ideal. I = idealHigh * 2^32 + idealLow texels, d = `ones` patches of one texel, S = `target` texels.
-SHARED_FN float pressureBias(uint idealLow, uint idealHigh, uint ones, float target) {
-  if (idealHigh == 0u && idealLow <= ones) return kLevelZero;
-  uint high = idealHigh - (idealLow < ones ? 1u : 0u);
-  float scalable = float(high) * float(65536) * float(65536) + float(idealLow - ones);
+// than ideal. I - d = high * 2^32 + low texels of the patches above one texel, d = `ones` patches of one
+// texel, S = `target` texels.
+SHARED_FN float pressureBias(uint low, uint high, uint ones, float target) {
+  float scalable = float(high) * float(65536) * float(65536) + float(low);
+  if (scalable < kLevelOne) return kLevelZero;
   float room = target - float(ones);
   if (!isFiniteNumber(room) || room < kLevelOne) return kLargestBias;
   return clamp(log2(scalable / room), kLevelZero, kLargestBias);

@@ -62,6 +62,16 @@ struct WidthState {
   uint sourceSuperblock;  // the superblock carried into this frame: the first one that slots refer to
 };
 
+// A part of I - d and d, see pressureBias. Groups add to different parts, a cache line each, so that they do
+// not wait for each other.
+struct IdealSum {
+  uint low;  // texels that the patches above one texel would ideally take, 64 bits in two
+  uint high;
+  uint ones;  // patches of one texel
+  uint unused[13];
+};
+SHARED_CONST uint kIdealSums = 8u;
+
 struct AtlasState {
   AtlasConfig config;
   // Indirect arguments of the request pass, which runs over the visible and the live list.
@@ -70,22 +80,18 @@ struct AtlasState {
   uint requestGroupsZ;
   uint epoch;            // counts resets; starts at 1
   uint superblocksUsed;  // the superblock stack: it only pops between resets, so its entries are in order
-  uint idealLow;         // I and d of the visible set, see pressureBias
-  uint idealHigh;
-  uint ones;
-  float pressureBias;  // of this frame, see pressureBias
-  float target;        // S, texels
-  uint cutTexels;      // texels of all blocks cut since the last reset
-  uint failures;       // requests of this frame that found no memory
-  uint visible;        // patches of this frame
-  uint liveTexels;     // texels of the blocks they hold after it
-  uint records;        // visible patches at one texel, failures included
-  uint resets;         // since creation
-  uint frames;         // since creation
-  uint sinceReset;     // frames since the last reset
-  uint resetWait;      // frames that must lie between two resets that pressure asks for
+  float pressureBias;    // of this frame, see pressureBias
+  float target;          // S, texels
+  uint cutTexels;        // texels of all blocks cut since the last reset
+  uint failures;         // requests of this frame that found no memory
+  uint visible;          // patches of this frame
+  uint resets;           // since creation
+  uint frames;           // since creation
+  uint sinceReset;       // frames since the last reset
+  uint resetWait;        // frames that must lie between two resets that pressure asks for
   LevelState levels[kLevels];
   WidthState widths[kWidths];
+  IdealSum ideal[kIdealSums];
 };
 
 SHARED_FN uint levelIndex(uint w, uint h) { return w * (w + 1u) / 2u + h; }
@@ -131,6 +137,6 @@ static_assert(sizeof(tessera::glsl::PatchState) == 12);
 static_assert(sizeof(tessera::glsl::AtlasConfig) == 52);
 static_assert(sizeof(tessera::glsl::LevelState) == 32);
 static_assert(sizeof(tessera::glsl::WidthState) == 20);
-static_assert(sizeof(tessera::glsl::AtlasState) == 52 + 19 * 4 + 66 * 32 + 11 * 20);
+static_assert(sizeof(tessera::glsl::AtlasState) == 52 + 14 * 4 + 66 * 32 + 11 * 20 + 8 * 64);
 #endif
 #endif

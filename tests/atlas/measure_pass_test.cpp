@@ -1,9 +1,11 @@
 // The measuring pass, and the bias that follows from it, on scenes of random patches.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <random>
 
 #include "atlas/rect/memory.hpp"
+#include "engine/gl/timer.hpp"
 #include "glsl/shared/bindings.h"
 #include "glsl/shared/scene.h"
 #include "tests/atlas/measure_reference.hpp"
@@ -54,7 +56,9 @@ struct PatchScene {
     padded.resize(RECT_VIEWS);
     std::vector<std::uint32_t> list = {visibleCount};
     for (std::uint32_t i = 0; i < visibleCount; ++i) list.push_back(patchCount - 1 - i);
-    const std::vector<std::uint32_t> marks(patchCount, 1u);
+    ++frame;
+    std::vector<std::uint32_t> marks(patchCount, 0u);
+    for (std::uint32_t i = 0; i < visibleCount; ++i) marks[list[i + 1]] = frame;
     const std::vector<std::uint32_t> groups = {(visibleCount + RECT_GROUP - 1) / RECT_GROUP, 1, 1};
     buffers.clear();
     const auto add = [&](auto values, GLuint binding) {
@@ -93,6 +97,7 @@ struct PatchScene {
   }
 
   std::uint32_t patchCount;
+  std::uint32_t frame = 0;
   std::vector<float> positions;
   std::vector<glsl::PatchGeometry> patches;
   std::vector<glsl::InstanceGpu> instances;
@@ -104,6 +109,19 @@ struct PatchScene {
 
 glsl::ViewGpu viewFrom(float x, float y, float z, float pixelsPerRadian) {
   return {glm::mat4(1.0f), glm::vec4(x, y, z, pixelsPerRadian)};
+}
+
+std::uint64_t onesOf(const glsl::AtlasState& state) {
+  std::uint64_t ones = 0;
+  for (const glsl::IdealSum& sum : state.ideal) ones += sum.ones;
+  return ones;
+}
+
+/// I, patches of one texel included.
+std::uint64_t idealOf(const glsl::AtlasState& state) {
+  std::uint64_t ideal = onesOf(state);
+  for (const glsl::IdealSum& sum : state.ideal) ideal += (std::uint64_t{sum.high} << 32) + sum.low;
+  return ideal;
 }
 
 class MeasurePass : public test::GlTest {
@@ -124,7 +142,7 @@ TEST_F(MeasurePass, IsTheSharedFormula) {
   for (const std::uint32_t viewCount : {1u, 3u}) {
     scene.upload(views, scene.patchCount - 7);
     RectMemory memory = make({}, scene.patchCount);
-    memory.measure(scene.dispatch, 1, viewCount);
+    memory.measure(scene.dispatch, scene.frame, viewCount);
     gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     const auto measures = memory.measures().readAll<glsl::PatchMeasure>(scene.visible.size());
     const glsl::AtlasState state = memory.readState();
@@ -157,10 +175,10 @@ TEST_F(MeasurePass, IsTheSharedFormula) {
     EXPECT_GT(compared, measures.size() * 9 / 10);
     std::printf("%u views: largest error of log2 area, well-conditioned: %.2g\n", viewCount,
                 static_cast<double>(worst));
-    const std::uint64_t summed = (std::uint64_t{state.idealHigh} << 32) + state.idealLow;
+    const std::uint64_t summed = idealOf(state);
     EXPECT_NEAR(static_cast<double>(summed), static_cast<double>(ideal),
                 1e-5 * static_cast<double>(ideal) + 2.0);
-    EXPECT_NEAR(state.ones, ones, 2.0);
+    EXPECT_NEAR(static_cast<double>(onesOf(state)), ones, 2.0);
     EXPECT_GT(ones, 0u);
   }
 }
@@ -172,10 +190,10 @@ TEST_F(MeasurePass, TheIdealAreaPasses32Bits) {
   RectMemoryOptions options;
   options.superblockLog2 = 10;
   RectMemory memory = make(options, scene.patchCount);
-  memory.measure(scene.dispatch, 1, 1);
+  memory.measure(scene.dispatch, scene.frame, 1);
   const glsl::AtlasState state = memory.readState();
-  EXPECT_EQ((std::uint64_t{state.idealHigh} << 32) + state.idealLow, std::uint64_t{70000} << 20);
-  memory.allocate(scene.dispatch, 1);
+  EXPECT_EQ(idealOf(state), std::uint64_t{70000} << 20);
+  memory.allocate(scene.dispatch, scene.frame);
   const RectStatistics statistics = memory.readStatistics();
   EXPECT_NEAR(statistics.bias, std::log2(70000.0 * 1048576.0 / (0.75 * 4096 * 2048)), 1e-3);
   EXPECT_EQ(statistics.failures, 0u);
@@ -186,8 +204,8 @@ TEST_F(MeasurePass, NothingVisible) {
   scene.upload({viewFrom(0, 0, 30, 900)}, 0);
   RectMemory memory = make({}, scene.patchCount);
   for (int frame = 0; frame < 3; ++frame) {
-    memory.measure(scene.dispatch, 1, 1);
-    memory.allocate(scene.dispatch, 1);
+    memory.measure(scene.dispatch, scene.frame, 1);
+    memory.allocate(scene.dispatch, scene.frame);
   }
   const RectStatistics statistics = memory.readStatistics();
   EXPECT_EQ(statistics.visiblePatches, 0u);
@@ -204,22 +222,20 @@ TEST_F(MeasurePass, PressureBringsDemandIntoTheAtlas) {
   options.superblockLog2 = 6;
   RectMemory memory = make(options, scene.patchCount);
   std::uint32_t lateFailures = 0;
-  std::uint32_t lateResets = 0;
   float wanted = 0.0f;
   for (std::uint32_t frame = 1; frame <= 60; ++frame) {
     // The camera turns about and comes near: ten times and more of what the atlas holds.
     const float turn = 0.02f * static_cast<float>(frame);
     scene.upload({viewFrom(60 * std::sin(turn), 3, 60 * std::cos(turn), 2500)},
                  scene.patchCount - 100 * frame);
-    memory.measure(scene.dispatch, 1, 1);
+    memory.measure(scene.dispatch, scene.frame, 1);
     const glsl::AtlasState measured = memory.readState();
-    wanted = static_cast<float>(measured.idealLow) / (512.0f * 512.0f);
-    memory.allocate(scene.dispatch, 1);
+    wanted = static_cast<float>(idealOf(measured)) / (512.0f * 512.0f);
+    memory.allocate(scene.dispatch, scene.frame);
     const RectStatistics statistics = memory.readStatistics();
     EXPECT_LE(statistics.liveTexels, 512u * 512u);
     if (frame <= 20) continue;
     lateFailures += statistics.failures;
-    lateResets = statistics.resets - lateResets;
     EXPECT_GT(statistics.liveTexels, 512u * 512u / 4) << "the bias leaves most of the atlas empty";
   }
   const RectStatistics statistics = memory.readStatistics();
@@ -229,13 +245,14 @@ TEST_F(MeasurePass, PressureBringsDemandIntoTheAtlas) {
       static_cast<double>(statistics.liveTexels) / (512.0 * 512.0),
       static_cast<double>(statistics.target) / (512.0 * 512.0), statistics.resets, lateFailures);
   EXPECT_GT(wanted, 5.0f);
-  EXPECT_LT(lateFailures, 40u * scene.patchCount / 100);
+  EXPECT_LE(lateFailures, scene.patchCount / 100);
+  EXPECT_LE(statistics.resets, 4u);
   EXPECT_TRUE(checkPartition(memory.readSnapshot()));
   // Without the bias the same demand cannot be met.
   options.pressureBias = false;
   RectMemory without = make(options, scene.patchCount);
-  without.measure(scene.dispatch, 1, 1);
-  without.allocate(scene.dispatch, 1);
+  without.measure(scene.dispatch, scene.frame, 1);
+  without.allocate(scene.dispatch, scene.frame);
   EXPECT_GT(without.readStatistics().failures, scene.patchCount / 4);
 }
 
@@ -248,8 +265,8 @@ TEST_F(MeasurePass, ConstantBiasHalvesTexels) {
   const auto samples = [&](float bias) {
     memory.setBias(bias);
     memory.reset();
-    memory.measure(scene.dispatch, 1, 1);
-    memory.allocate(scene.dispatch, 1);
+    memory.measure(scene.dispatch, scene.frame, 1);
+    memory.allocate(scene.dispatch, scene.frame);
     EXPECT_EQ(memory.readStatistics().failures, 0u);
     EXPECT_EQ(memory.readStatistics().bias, bias);
     return static_cast<double>(memory.readStatistics().samples);
@@ -257,6 +274,38 @@ TEST_F(MeasurePass, ConstantBiasHalvesTexels) {
   const double native = samples(0.0f);
   EXPECT_NEAR(samples(-2.0f) / native, 4.0, 0.15);
   EXPECT_NEAR(samples(1.0f) / native, 0.5, 0.03);
+}
+
+// Printed, not judged: an absolute time of a software renderer says little. The share of a frame is in the
+// report of `tessera compare`.
+TEST_F(MeasurePass, CostOfSixtyThousandPatches) {
+  PatchScene scene(50000, 5000, 5000, 1, 0.1f);
+  RectMemory memory = make({}, scene.patchCount);
+  gl::Timer timer(gl::timerModeFor(test::context().info()));
+  for (const bool moving : {false, true}) {
+    std::vector<double> measuring;
+    std::vector<double> allocating;
+    for (int frame = 0; frame < 30; ++frame) {
+      const float eye = moving ? 60.0f + 4.0f * static_cast<float>(frame % 2) : 60.0f;
+      scene.upload({viewFrom(0, 0, eye, 900)}, scene.patchCount);
+      timer.begin();
+      memory.measure(scene.dispatch, scene.frame, 1);
+      timer.end();
+      measuring.push_back(timer.milliseconds());
+      timer.begin();
+      memory.allocate(scene.dispatch, scene.frame);
+      timer.end();
+      allocating.push_back(timer.milliseconds());
+    }
+    const auto median = [](std::vector<double>& values) {
+      std::nth_element(values.begin(), values.begin() + 15, values.end());
+      return values[15];
+    };
+    std::printf("60000 patches, %s: measure %.2f ms, allocate %.2f ms (median of 30), %u failures\n",
+                moving ? "levels changing" : "steady", median(measuring), median(allocating),
+                memory.readStatistics().failures);
+  }
+  EXPECT_EQ(memory.readStatistics().visiblePatches, 60000u);
 }
 
 /// Offsets of a member as the driver lays the block out.
@@ -302,16 +351,11 @@ TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
   EXPECT_MEMBER(requestGroupsZ);
   EXPECT_MEMBER(epoch);
   EXPECT_MEMBER(superblocksUsed);
-  EXPECT_MEMBER(idealLow);
-  EXPECT_MEMBER(idealHigh);
-  EXPECT_MEMBER(ones);
   EXPECT_MEMBER(pressureBias);
   EXPECT_MEMBER(target);
   EXPECT_MEMBER(cutTexels);
   EXPECT_MEMBER(failures);
   EXPECT_MEMBER(visible);
-  EXPECT_MEMBER(liveTexels);
-  EXPECT_MEMBER(records);
   EXPECT_MEMBER(resets);
   EXPECT_MEMBER(frames);
   EXPECT_MEMBER(sinceReset);
@@ -329,6 +373,10 @@ TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
   EXPECT_WIDTH(firstPopped);
   EXPECT_WIDTH(popped);
   EXPECT_WIDTH(sourceSuperblock);
+  EXPECT_EQ(offsetOf(program, "atlas.ideal[0].ones"),
+            static_cast<GLint>(offsetof(glsl::AtlasState, ideal) + offsetof(glsl::IdealSum, ones)));
+  EXPECT_EQ(offsetOf(program, "atlas.ideal[1].low"),
+            static_cast<GLint>(offsetof(glsl::AtlasState, ideal) + sizeof(glsl::IdealSum)));
   const auto strideOf = [&](const char* name) {
     const GLuint index = gl::api().GetProgramResourceIndex(program, GL_BUFFER_VARIABLE, name);
     const GLenum property = GL_TOP_LEVEL_ARRAY_STRIDE;

@@ -93,7 +93,8 @@ class Feed {
 
 /// What must hold of the visible patches after a frame, whatever was asked. Returns how many kept their
 /// place.
-std::uint32_t checkVisible(const Scenario& scenario, const glsl::AtlasState& state, const Wants& wants,
+std::uint32_t checkVisible(const Scenario& scenario, const glsl::AtlasState& state,
+                           const RectStatistics& statistics, const Wants& wants,
                            const std::vector<glsl::PatchState>& before, std::uint32_t epochBefore,
                            const std::vector<glsl::PatchState>& after) {
   std::uint32_t kept = 0;
@@ -125,9 +126,10 @@ std::uint32_t checkVisible(const Scenario& scenario, const glsl::AtlasState& sta
     ++kept;
   }
   EXPECT_EQ(failed, state.failures);
-  EXPECT_EQ(records, state.records);
-  EXPECT_EQ(texels, state.liveTexels);
-  EXPECT_EQ(wants.size(), state.visible);
+  EXPECT_EQ(records, statistics.records);
+  EXPECT_EQ(texels, statistics.liveTexels);
+  EXPECT_EQ(texels + records, statistics.samples);
+  EXPECT_EQ(wants.size(), statistics.visiblePatches);
   return kept;
 }
 
@@ -150,13 +152,14 @@ TEST_P(GpuFrames, InvariantsHoldAndCountersAreTheTwins) {
     const Wants wants = stream.next();
     feed.frame(wants, frame % 3 == 0);
     const glsl::AtlasState state = feed.memory.readState();
+    const RectStatistics statistics = feed.memory.readStatistics();
     const auto after = feed.states();
-    kept += checkVisible(scenario, state, wants, before, last.epoch, after);
+    kept += checkVisible(scenario, state, statistics, wants, before, last.epoch, after);
     failures += state.failures;
     const MemorySnapshot snapshot = feed.memory.readSnapshot();
     const auto partition = checkPartition(snapshot);
     ASSERT_TRUE(partition) << "frame " << frame << ": " << partition.error().message;
-    ASSERT_EQ(snapshot.live.size() + state.records, wants.size()) << "an invisible patch holds a block";
+    ASSERT_EQ(snapshot.live.size() + statistics.records, wants.size()) << "an invisible patch holds a block";
 
     if (state.epoch != last.epoch) {
       twin.reset();
@@ -299,7 +302,7 @@ TEST_F(Memory, FullStacksRefuseToCut) {
     feed.frame(stream.next());
     state = feed.memory.readState();
     failures += state.failures;
-    given += state.liveTexels;
+    given += feed.memory.readStatistics().liveTexels;
     for (glsl::uint l = 1; l < glsl::levelIndex(5, 0); ++l)
       ASSERT_LE(state.levels[l].existing, state.levels[l].stackCapacity) << "level " << l;
     const auto partition = checkPartition(feed.memory.readSnapshot());

@@ -16,8 +16,8 @@ Image scenePicture(int width, int height, double time, int blocky) {
   Image image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width * height * 4), 255)};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const double u = (x / blocky * blocky + 0.5 * blocky) / height - 0.9;
-      const double v = (y / blocky * blocky + 0.5 * blocky) / height - 0.5;
+      const double u = (x - x % blocky + 0.5 * blocky) / height - 0.9;
+      const double v = (y - y % blocky + 0.5 * blocky) / height - 0.5;
       double r = 0.55 + 0.3 * v;
       double g = 0.7 + 0.2 * v;
       double b = 0.9;
@@ -45,6 +45,7 @@ Image scenePicture(int width, int height, double time, int blocky) {
 
 Statistics around(double ms) {
   std::vector<double> samples;
+  samples.reserve(21);
   for (int i = 0; i < 21; ++i) samples.push_back(ms * (0.97 + 0.003 * i));
   return summarize(samples);
 }

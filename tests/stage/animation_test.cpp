@@ -110,6 +110,12 @@ TEST(Animation, RotationsTakeTheShorterWay) {
   expectNear(placeAt(scene, 1.0, 1), {kHalf, kHalf, 0.0}, 1e-7);
 }
 
+TEST(Animation, TheLengthOfARotationDoesNotMatter) {
+  const Scene scene = sceneWith(
+      rotation(Interpolation::Linear, {0.0f, 2.0f}, {{0, 0, 0, 1}, {0, 0, 5 * kHalf, 5 * kHalf}}), 4.0);
+  expectNear(placeAt(scene, 1.0, 1), {kHalf, kHalf, 0.0}, 1e-7);
+}
+
 TEST(Animation, EqualOppositeAndUnnormalisedRotationsStayRotations) {
   const std::vector<std::array<glm::vec4, 2>> pairs = {
       {glm::vec4(0, 0, 0, 1), glm::vec4(0, 0, 0, 1)},

@@ -54,6 +54,8 @@ struct ReportMethod {
   double psnrDb = kNotMeasured;  // infinite where every picture equals forward's: null in report.json
   double flip = kNotMeasured;
   double samplesShaded = kNotMeasured;
+  double samplesPassed = kNotMeasured;  // forward: of the samples, those that the depth test let through
+  double samplesPartlyInView = kNotMeasured;  // of the samples, those of patches that leave the picture
   double samplesAllocated = kNotMeasured;
   double atlasTexelsUsed = kNotMeasured;
   double visiblePatches = kNotMeasured;
@@ -68,6 +70,7 @@ struct ReportMethod {
   Statistics gatherMs;
   Statistics displayMs;
   double nsPerSample = kNotMeasured;  // shading time over samples shaded
+  double nsPerPassed = kNotMeasured;  // forward: shading time over samples passed
   ReportSeries series;
   std::vector<ReportFrame> frames;  // chosen frames, rising
 };

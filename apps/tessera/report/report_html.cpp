@@ -119,8 +119,8 @@ std::string sceneSection(const ReportScene& scene, std::size_t index) {
       "<section class=\"scene\" id=\"scene-{0}\" data-scene=\"{0}\">\n<h2>{1}</h2>\n"
       "<p class=\"facts\">{2} triangles · {3} instances · {4} materials · {5} lights · {6} × {7} pixels · "
       "{8} "
-      "frames</p>\n<p class=\"facts\">{9}</p>\n<div class=\"pictures\"></div>\n<div class=\"numbers\">"
-      "<div class=\"scroll\">{10}</div><div class=\"charts\"></div></div>\n</section>\n",
+      "frames</p>\n<p class=\"facts\">{9}</p>\n<div class=\"pictures\"></div>\n"
+      "<div class=\"charts\"></div>\n<div class=\"scroll\">{10}</div>\n</section>\n",
       index, escapeHtml(scene.file), formatCount(static_cast<double>(scene.triangles)),
       formatCount(static_cast<double>(scene.instances)), formatCount(static_cast<double>(scene.materials)),
       formatCount(static_cast<double>(scene.lights)), scene.width, scene.height, scene.frames,

@@ -43,6 +43,9 @@ Json methodJson(const ReportMethod& m) {
           {"frame_ms", timing(m.frameMs)},
           {"gather_ms", timing(m.gatherMs)},
           {"display_ms", timing(m.displayMs)},
+          {"samples_passed", number(m.samplesPassed)},
+          {"samples_partly_in_view", number(m.samplesPartlyInView)},
+          {"ns_per_passed", number(m.nsPerPassed)},
           {"ns_per_sample", number(m.nsPerSample)}};
 }
 

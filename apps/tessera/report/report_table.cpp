@@ -89,6 +89,7 @@ std::vector<Row> passRows(const ReportScene& scene) {
     for (const ReportPass& pass : method.passes)
       if (std::find(names.begin(), names.end(), pass.name) == names.end()) names.push_back(pass.name);
   std::vector<Row> rows;
+  rows.reserve(names.size());
   for (const std::string& name : names)
     rows.push_back({escapeHtml(name), "", [name](const ReportMethod& m) -> std::string {
                       for (const ReportPass& pass : m.passes)
@@ -171,6 +172,8 @@ std::string methodTable(const ReportScene& scene) {
                 timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
                 timingRow("Display", "ms", &ReportMethod::displayMs),
                 {"Shading per sample", "ns", [](const ReportMethod& m) { return duration(m.nsPerSample); }},
+                {"Shading per sample that passed depth", "ns",
+                 [](const ReportMethod& m) { return duration(m.nsPerPassed); }},
                 {"Shading per sample against forward", "",
                  [=](const ReportMethod& m) { return ratio(m.nsPerSample, forwardSample); }}});
   out += group(scene, "Time of each pass, median, ms", passRows(scene));
@@ -191,8 +194,9 @@ std::string summaryTable(const Report& report) {
     for (const ReportMethod& m : scene.methods) {
       out += "<tr>";
       if (&m == scene.methods.data())
-        out += fmt::format("<th scope=\"rowgroup\" rowspan=\"{}\"><a href=\"#scene-{}\">{}</a></th>",
-                           scene.methods.size(), s, escapeHtml(scene.file));
+        out += fmt::format(
+            "<th scope=\"rowgroup\" rowspan=\"{0}\" title=\"{2}\"><a href=\"#scene-{1}\">{2}</a></th>",
+            scene.methods.size(), s, escapeHtml(scene.file));
       out += fmt::format(
           "<th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
           "<td>{}</td></tr>\n",

@@ -21,8 +21,8 @@ function methodColour(index) {
   return themeColour(`--c${index % kMethodColours}`);
 }
 
-function chartBox(parent, title, unit, wide) {
-  const box = element('div', wide ? 'chart wide' : 'chart');
+function chartBox(parent, title, unit) {
+  const box = element('div', 'chart');
   const heading = element('h3', '', title + ' ');
   heading.append(element('small', '', unit));
   const plot = element('div', 'plot');
@@ -38,6 +38,11 @@ function chartBox(parent, title, unit, wide) {
 const kShort = new Intl.NumberFormat('en', {notation: 'compact', maximumSignificantDigits: 4});
 const kLong = new Intl.NumberFormat('en', {maximumSignificantDigits: 6});
 
+// A dashed line's square in the legend would be dashed too.
+function solidLabels(chart) {
+  return Chart.defaults.plugins.legend.labels.generateLabels(chart).map(label => ({...label, lineDash: []}));
+}
+
 function baseOptions() {
   const soft = themeColour('--soft');
   const grid = {color: themeColour('--line'), borderColor: themeColour('--line')};
@@ -47,7 +52,7 @@ function baseOptions() {
     maintainAspectRatio: false,
     interaction: {mode: 'index', intersect: false},
     plugins: {
-      legend: {labels: {color: soft, boxWidth: 12, boxHeight: 12, padding: 10}, position: 'bottom'},
+      legend: {labels: {color: soft, boxWidth: 12, boxHeight: 12, padding: 10, generateLabels: solidLabels}, position: 'bottom'},
       tooltip: {callbacks: {}},
     },
     scales: {x: {ticks: {color: soft}, grid}, y: {ticks: {color: soft}, grid}},
@@ -79,7 +84,7 @@ function seriesChart(parent, series, methods) {
     pointRadius: length <= 24 ? 3 : 0,
     pointHitRadius: 8,
   }));
-  const {canvas} = chartBox(parent, series.title, series.unit, false);
+  const {canvas} = chartBox(parent, series.title, series.unit);
   return new Chart(canvas, {type: 'line', data: {labels: [...Array(length).keys()], datasets}, options});
 }
 
@@ -102,8 +107,8 @@ function passChart(parent, methods) {
     borderWidth: {right: 1},
     maxBarThickness: 34,
   }));
-  const {plot, canvas} = chartBox(parent, 'Where the time goes', 'ms, median of each pass', true);
-  plot.style.height = `${90 + 46 * methods.length + 22 * Math.ceil(names.length / 6)}px`;
+  const {plot, canvas} = chartBox(parent, 'Where the time goes', 'ms, median of each pass');
+  plot.style.height = `${Math.max(220, 110 + 46 * methods.length)}px`;
   return new Chart(canvas, {type: 'bar', data: {labels: methods.map(method => method.name), datasets}, options});
 }
 

@@ -84,6 +84,7 @@ class Stage {
     const {zoom, x, y} = this.view;
     const width = this.root.clientWidth;
     const height = this.root.clientHeight;
+    this.root.classList.toggle('zoomed', zoom > 1);
     for (const image of this.images) {
       image.style.transform =
           `translate(${width * (0.5 - x * zoom)}px, ${height * (0.5 - y * zoom)}px) scale(${zoom})`;

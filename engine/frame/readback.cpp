@@ -1,0 +1,58 @@
+// Counts that need a blocking readback: for reports and tests.
+#include <algorithm>
+#include <array>
+
+#include "engine/frame/engine_state.hpp"
+
+namespace tessera {
+
+namespace {
+
+/// The geometry of a patch instance and the instance it belongs to.
+struct PatchPlace {
+  const glsl::PatchGeometry& geometry;
+  const Instance& instance;
+};
+
+PatchPlace placeOf(const DrawScene& draw, std::uint32_t patch) {
+  const std::uint32_t index = draw.instanceOfPatch[patch];
+  const Instance& instance = draw.instances[index];
+  return {draw.patches[draw.patchOffset[instance.primitive] + patch - draw.patchBase[index]], instance};
+}
+
+}  // namespace
+
+std::uint64_t Engine::visibleTriangles() const {
+  std::uint64_t triangles = 0;
+  if (!s_->visible) return triangles;
+  const auto guard = s_->guard();
+  for (const std::uint32_t patch : s_->visible->read())
+    triangles += placeOf(s_->draw, patch).geometry.triangles;
+  return triangles;
+}
+
+std::uint64_t Engine::samplesPartlyInView(const View& view) const {
+  const State& s = *s_;
+  if (!s.atlas) return 0;
+  const auto guard = s.guard();
+  const auto states = s.atlas->memory().patchStates().readAll<glsl::PatchState>(s.draw.patchInstances);
+  const glm::dmat4 toClip = viewProjection(view, {0.0, 0.0, 0.0});
+  std::uint64_t samples = 0;
+  for (const std::uint32_t patch : s.visible->read()) {
+    const PatchPlace place = placeOf(s.draw, patch);
+    const glsl::PatchGeometry& g = place.geometry;
+    const bool leaves = [&] {
+      for (const std::uint32_t vertex : {g.v0, g.v1, g.v2, g.v3, g.v4}) {
+        const glm::dvec4 world =
+            s.now.world[place.instance.node] * glm::dvec4(s.scene.vertices.position[vertex], 1.0);
+        const glm::dvec4 clip = toClip * world;
+        if (clip.w <= 0.0 || std::max(std::abs(clip.x), std::abs(clip.y)) > clip.w) return true;
+      }
+      return false;
+    }();
+    if (leaves) samples += glsl::levelTexels(states[patch].level);
+  }
+  return samples;
+}
+
+}  // namespace tessera

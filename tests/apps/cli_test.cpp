@@ -1,0 +1,176 @@
+// The program as a user runs it: exit codes, one clear line for bad input, whole files or none.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <sys/wait.h>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/image/image.hpp"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Ran {
+  int code = -1;
+  std::string out;
+  std::string error;
+};
+
+std::string slurp(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+class Cli : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(TESSERA_BINARY_DIR) / "cli" /
+              ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  Ran run(const std::string& arguments) const {
+    const std::string command =
+        fmt::format("cd '{}' && '{}' {} > out.txt 2> err.txt", folder_.string(), TESSERA_PROGRAM, arguments);
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder_ / "out.txt"),
+            slurp(folder_ / "err.txt")};
+  }
+  void expectRefused(const std::string& arguments, const std::string& named) const {
+    const Ran ran = run(arguments);
+    EXPECT_EQ(ran.code, 2) << arguments << "\n" << ran.error;
+    EXPECT_NE(ran.error.find(named), std::string::npos) << arguments << "\n" << ran.error;
+  }
+  std::string atrium() const { return std::string(TESSERA_SOURCE_DIR) + "/assets/atrium.glb"; }
+  fs::path folder_;
+};
+
+TEST_F(Cli, HelpIsThereForEach) {
+  EXPECT_EQ(run("--help").code, 0);
+  for (const char* command : {"render", "info", "compare"}) {
+    const Ran ran = run(std::string(command) + " --help");
+    EXPECT_EQ(ran.code, 0);
+    EXPECT_NE(ran.out.find("--context"), std::string::npos) << command;
+  }
+}
+
+TEST_F(Cli, BadArgumentsAreNamed) {
+  expectRefused("", "subcommand");
+  expectRefused("paint x", "subcommand");
+  expectRefused("render", "scene");
+  expectRefused(fmt::format("render '{}' -o a.png --size 12", atrium()), "--size 12");
+  expectRefused(fmt::format("render '{}' -o a.png --size 0x5", atrium()), "--size 0x5");
+  expectRefused(fmt::format("render '{}' -o a.png --method magic", atrium()), "magic");
+  expectRefused(fmt::format("render '{}' -o a.png --camera nobody", atrium()), "nobody");
+  expectRefused(fmt::format("render '{}' -o a.png --eye 1,2,3", atrium()), "--target");
+  expectRefused(fmt::format("render '{}' -o a.png --eye 1,2,3 --target 1,2,3", atrium()), "same point");
+  expectRefused(fmt::format("render '{}' -o a.png --fov-y 200", atrium()), "200");
+  expectRefused(fmt::format("render '{}' -o a.png --path nowhere.json", atrium()), "nowhere.json");
+  expectRefused(fmt::format("compare '{}' -o r --methods rect:blur=2", atrium()), "rect:blur=2");
+  expectRefused(fmt::format("compare '{}' -o r --atlas-mpix 0", atrium()), "atlas-mpix");
+  EXPECT_FALSE(fs::exists(folder_ / "a.png"));
+}
+
+TEST_F(Cli, BadFilesAreRefusedAndNothingIsWritten) {
+  expectRefused("render missing.glb -o a.png", "missing.glb");
+  std::ofstream(folder_ / "text.glb") << "hello";
+  expectRefused("render text.glb -o a.png", "text.glb");
+  expectRefused("compare text.glb -o report", "text.glb");
+  std::ofstream(folder_ / "stage.json") << R"({"lights": [{"type": "laser"}]})";
+  expectRefused(fmt::format("render '{}' -o a.png --stage stage.json", atrium()), "stage.json");
+  EXPECT_FALSE(fs::exists(folder_ / "a.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "report" / "report.json"));
+  const Ran ran = run(fmt::format("render '{}' -o none/such/a.png --size 16x16", atrium()));
+  EXPECT_EQ(ran.code, 2);
+  EXPECT_NE(ran.error.find("none/such/a.png"), std::string::npos) << ran.error;
+}
+
+TEST_F(Cli, RendersByEveryMethodAndView) {
+  const std::string scene = fmt::format("'{}' --size 160x90 --context osmesa", atrium());
+  for (const char* method : {"forward", "forward-prepass", "rect", "rect-deferred"}) {
+    const Ran ran =
+        run(fmt::format("render {} -o {}.png --method {} --stats {}.json", scene, method, method, method));
+    ASSERT_EQ(ran.code, 0) << ran.error;
+    const auto image = readImage(folder_ / (std::string(method) + ".png"));
+    ASSERT_TRUE(image) << image.error().message;
+    EXPECT_EQ(image->width, 160);
+    const auto stats = nlohmann::json::parse(slurp(folder_ / (std::string(method) + ".json")));
+    EXPECT_EQ(stats["schema"], 1);
+    EXPECT_GT(stats["frames"][0]["fragments"].get<std::uint64_t>(), 0u);
+    EXPECT_FALSE(stats["frames"][0]["passes"].empty());
+  }
+  for (const char* view : {"ids", "patches", "levels", "blocks", "texel-density", "atlas"}) {
+    const Ran ran = run(fmt::format("render {} -o {}.png --view {} --atlas-mpix 1", scene, view, view));
+    ASSERT_EQ(ran.code, 0) << ran.error;
+    EXPECT_TRUE(readImage(folder_ / (std::string(view) + ".png")));
+  }
+}
+
+TEST_F(Cli, FramesAlongAPathAreNumbered) {
+  std::ofstream(folder_ / "path.json")
+      << R"({"keyframes": [{"t": 0, "eye": [0, 2, 3], "target": [0, 2, -3], "fov_y": 60}, {"t": 1, "eye": [1, 2, 3], "target": [0, 2, -3], "fov_y": 60}]})";
+  const Ran ran =
+      run(fmt::format("render '{}' -o f.png --size 64x36 --path path.json --frames 3 --fps 2", atrium()));
+  ASSERT_EQ(ran.code, 0) << ran.error;
+  for (const char* name : {"f.0000.png", "f.0001.png", "f.0002.png"})
+    EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+}
+
+TEST_F(Cli, InfoSaysWhatTheSceneCallsFor) {
+  const Ran ran = run(fmt::format("info '{}' --json --context osmesa", atrium()));
+  ASSERT_EQ(ran.code, 0) << ran.error;
+  const auto json = nlohmann::json::parse(ran.out);
+  EXPECT_GT(json["counts"]["triangles"].get<int>(), 60000);
+  EXPECT_GT(json["counts"]["instances"].get<int>(), 150);
+  std::vector<std::string> effects;
+  for (const auto& effect : json["effects"]) {
+    effects.push_back(effect["name"]);
+    EXPECT_FALSE(effect["reason"].get<std::string>().empty());
+  }
+  for (const char* wanted :
+       {"alpha-mask", "alpha-blend", "normal-map", "punctual-lights", "shadows", "animation", "unlit"})
+    EXPECT_NE(std::find(effects.begin(), effects.end(), wanted), effects.end()) << wanted;
+  EXPECT_NE(std::find(json["passes"].begin(), json["passes"].end(), "shadow"), json["passes"].end());
+  EXPECT_GT(json["permutations"].size(), 3u);
+}
+
+TEST_F(Cli, CompareWritesTheReport) {
+  const Ran ran =
+      run(fmt::format("compare '{}' -o report --size 160x90 --frames 2 --methods rect,forward,rect:bias=-2 "
+                      "--atlas-mpix 2 --context osmesa --atlas-format rgba16f",
+                      atrium()));
+  ASSERT_EQ(ran.code, 0) << ran.error;
+  const auto json = nlohmann::json::parse(slurp(folder_ / "report" / "report.json"));
+  const auto& scene = json["scenes"][0];
+  EXPECT_EQ(scene["frames"], 2);
+  EXPECT_EQ(scene["size"], (nlohmann::json{160, 90}));
+  ASSERT_EQ(scene["methods"].size(), 3u);
+  EXPECT_EQ(scene["methods"][0]["name"], "forward");
+  EXPECT_EQ(scene["methods"][0]["mssim"], 1.0);
+  for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
+    const auto& method = scene["methods"][i];
+    EXPECT_GT(method["mssim"].get<double>(), 0.85);
+    EXPECT_EQ(method["holes"], 0.0);
+    EXPECT_EQ(method["non_finite_texels"], 0.0);
+    EXPECT_GT(method["samples_shaded"].get<double>(), 1000.0);
+    EXPECT_GT(method["ns_per_sample"].get<double>(), 0.0);
+  }
+  EXPECT_GT(scene["methods"][2]["samples_shaded"].get<double>(),
+            2.5 * scene["methods"][1]["samples_shaded"].get<double>());
+  const std::string page = slurp(folder_ / "report" / "report.html");
+  EXPECT_NE(page.find("atrium.glb"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -260,7 +260,7 @@ void StateGuard::Saved::restore() const {
     gl.PolygonOffset(offsetFactor, offsetUnits);
 }
 
-StateGuard::StateGuard() : saved_(std::make_unique<Saved>()) {  }
+StateGuard::StateGuard() : saved_(std::make_unique<Saved>()) { applyClientTransfers(); }
 StateGuard::~StateGuard() { saved_->restore(); }
 
 }  // namespace tessera::gl

@@ -1,0 +1,128 @@
+// A host with its own context: draws a background, lets the engine draw a scene into a part of its
+// framebuffer, and draws a frame and a bar over that.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "engine/image/image.hpp"
+#include "engine/tessera.hpp"
+#include "host.hpp"
+#include "painter.hpp"
+
+namespace {
+
+using embed::Host;
+using embed::Painter;
+using embed::Rectangle;
+using tessera::Result;
+
+struct Options {
+  std::string scene;
+  std::string output;
+  int width = 960;
+  int height = 600;
+  int frames = 0;
+  bool window = false;
+};
+
+constexpr embed::Color kBottom = {0.10f, 0.12f, 0.16f, 1.0f};
+constexpr embed::Color kTop = {0.32f, 0.36f, 0.42f, 1.0f};
+constexpr embed::Color kFrame = {1.0f, 0.8f, 0.0f, 1.0f};
+constexpr embed::Color kBar = {0.0f, 0.0f, 0.0f, 0.5f};
+
+/// The scene's first camera, or a view of the whole.
+tessera::View cameraOf(const tessera::Engine& engine, int width, int height) {
+  const tessera::Scene& scene = engine.scene();
+  if (scene.cameras.empty()) return tessera::autoView(scene, width, height);
+  return tessera::viewOf(scene, engine.state(), 0, width, height, tessera::defaultNear(scene));
+}
+
+/// What the host's framebuffer holds now, rows from the top.
+tessera::Image readPicture(const Host& host) {
+  const auto row = static_cast<std::size_t>(host.width()) * 4;
+  const auto rows = static_cast<std::size_t>(host.height());
+  std::vector<std::uint8_t> bottomUp(row * rows);
+  host.gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
+  host.gl().ReadPixels(0, 0, host.width(), host.height(), GL_RGBA, GL_UNSIGNED_BYTE, bottomUp.data());
+  tessera::Image image{host.width(), host.height(), std::vector<std::uint8_t>(bottomUp.size())};
+  for (std::size_t y = 0; y < rows; ++y)
+    std::copy_n(bottomUp.data() + (rows - 1 - y) * row, row, image.pixels.data() + y * row);
+  return image;
+}
+
+Result<void> run(Host& host, const Options& options) {
+  auto painter = Painter::create(host);
+  if (!painter) return tl::unexpected(painter.error());
+  const Rectangle all{0, 0, host.width(), host.height()};
+  const int margin = std::min(all.width, all.height) / 16;
+  const Rectangle picture{margin, margin, all.width - 2 * margin, all.height - 2 * margin};
+  const auto start = std::chrono::steady_clock::now();
+  const auto seconds = [&] {
+    return options.window ? std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()
+                          : 0.0;
+  };
+
+  // Embedding begins: the host's context is current.
+  auto context = tessera::gl::Context::adoptCurrent(host.loader());
+  if (!context) return tl::unexpected(context.error());
+  auto scene = tessera::loadGltf(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  auto engine = tessera::Engine::create(**context, std::move(*scene), {}, {});
+  if (!engine) return tl::unexpected(engine.error());
+
+  for (int frame = 1;; ++frame) {
+    painter->fill(all, kBottom, kTop);
+
+    (*engine)->update(seconds());
+    (*engine)->rect(cameraOf(**engine, picture.width, picture.height));
+    (*engine)->blit(host.framebuffer(), picture.x, picture.y, picture.width, picture.height);
+
+    painter->frame(picture, 4, kFrame);  // the host's program, vertex array and blending are still in place
+    painter->fill({picture.x, picture.y, picture.width, picture.height / 8}, kBar);
+    // Embedding ends.
+    const bool last = frame == options.frames;
+    const auto shown = options.output.empty() ? tessera::Image{} : readPicture(host);
+    if (host.present() && !last) continue;
+    return options.output.empty() ? Result<void>{} : tessera::writePng(options.output, shown);
+  }
+}
+
+Result<void> open(const Options& options) {
+  if (options.output.empty() && !options.window)
+    return tessera::fail("nothing to do: give -o FILE, or --window");
+  auto host = options.window ? embed::makeWindow(options.width, options.height)
+                             : embed::makeSurfaceless(options.width, options.height);
+  if (!host) return tl::unexpected(host.error());
+  return run(**host, options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("A host program that embeds tessera in a GL context of its own.");
+  app.add_option("scene", options.scene, "glTF 2.0 file, .gltf or .glb")->required();
+  app.add_option("-o,--output", options.output, "PNG of the last picture");
+  app.add_flag("--window", options.window, "show a window until it is closed, instead of one picture");
+  app.add_option("--frames", options.frames, "with --window: end after this many pictures; 0 = never")
+      ->check(CLI::Range(0, 1000000));
+  app.add_option("--width", options.width, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
+  app.add_option("--height", options.height, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
+  try {
+    app.parse(argc, argv);
+    const auto result = open(options);
+    if (result) return 0;
+    fmt::print(stderr, "embed: {}\n", result.error().message);
+  } catch (const CLI::ParseError& error) {
+    if (app.exit(error) == 0) return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "embed: {}\n", error.what());
+    return 1;
+  }
+  return 2;
+}

@@ -365,7 +365,8 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
     evaluate(*scene, 0.0, state);
     report.lights = evaluateLights(*scene, state, lit, 0.0).size();
     report.note = fmt::format(
-        "{}; path {}; atlas {} x {}", lit != nullptr ? "stage " + std::filesystem::path(lit->file).filename().string() : "no stage",
+        "{}; path {}; atlas {} x {}",
+        lit != nullptr ? "stage " + std::filesystem::path(lit->file).filename().string() : "no stage",
         camera.path.empty() ? "none" : camera.path, setup->atlas.memory.width, setup->atlas.memory.height);
     setup->request = {};
     for (const Method& method : methods) {

@@ -379,6 +379,7 @@ TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
   EXPECT_CONFIG(superblockLog2);
   EXPECT_CONFIG(superblocks);
   EXPECT_CONFIG(patchInstances);
+  EXPECT_CONFIG(views);
   EXPECT_CONFIG(pressure);
   EXPECT_CONFIG(constantBias);
   EXPECT_CONFIG(hysteresis);

@@ -84,7 +84,11 @@ void Engine::display(const View& view, DisplayMode mode) {
   s.atlas->displayTexture().bind(UNIT_ATLAS);
   const bool linear = s.atlas->format() == AtlasFormat::Rgba16f;
 
-  if (mode == DisplayMode::Deferred && s.deferred != nullptr) {
+  // Of the two forms the plan may have only one; that one draws, whichever was asked for.
+  const bool planned =
+      s.graph.find(mode == DisplayMode::Deferred ? "display-deferred" : "display") != nullptr;
+  const bool deferred = planned ? mode == DisplayMode::Deferred : mode != DisplayMode::Deferred;
+  if (deferred && s.deferred != nullptr) {
     s.pass("display-deferred", [&] {
       s.deferred->use();
       s.id.ids.bind(UNIT_ID);

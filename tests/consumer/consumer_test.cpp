@@ -25,12 +25,12 @@ constexpr int kFrame = 4;
 
 std::filesystem::path folder() { return std::filesystem::path(TESSERA_CONSUMER_DIR) / "pictures"; }
 
-struct Run {
+struct Outcome {
   int status = -1;
   std::string errors;
 };
 
-Run runHost(const std::string& arguments, const std::string& environment = "") {
+Outcome runHost(const std::string& arguments, const std::string& environment = "") {
   std::filesystem::create_directories(folder());
   const std::string errors = (folder() / "stderr.txt").string();
   const std::string command =
@@ -74,8 +74,8 @@ std::array<int, 3> at(const Image& image, int x, int y) {
 TEST(Consumer, DrawsTheSceneBetweenItsOwnDrawings) {
   const auto output = folder() / "quad.png";
   std::filesystem::remove(output);
-  const Run run = runHost(fmt::format("'{}' -o '{}' --width {} --height {}", writeRedQuad().string(),
-                                      output.string(), kWidth, kHeight));
+  const Outcome run = runHost(fmt::format("'{}' -o '{}' --width {} --height {}", writeRedQuad().string(),
+                                          output.string(), kWidth, kHeight));
   ASSERT_EQ(run.status, 0) << run.errors;
   const auto image = readImage(output);
   ASSERT_TRUE(image) << image.error().message;
@@ -111,7 +111,7 @@ TEST(Consumer, DrawsTheInstalledAtrium) {
   std::filesystem::remove(output);
   const std::string scene =
       std::string(TESSERA_CONSUMER_DIR) + "/prefix/" + TESSERA_CONSUMER_DATA + "/tessera/assets/atrium.glb";
-  const Run run =
+  const Outcome run =
       runHost(fmt::format("'{}' -o '{}' --width {} --height {}", scene, output.string(), kWidth, kHeight));
   ASSERT_EQ(run.status, 0) << run.errors;
   const auto image = readImage(output);
@@ -129,14 +129,14 @@ TEST(Consumer, DrawsTheInstalledAtrium) {
 TEST(Consumer, SaysWhatIsWrong) {
   const auto output = folder() / "none.png";
   std::filesystem::remove(output);
-  const Run missing = runHost(fmt::format("'/no/such.glb' -o '{}'", output.string()));
+  const Outcome missing = runHost(fmt::format("'/no/such.glb' -o '{}'", output.string()));
   EXPECT_EQ(missing.status, 2);
   EXPECT_NE(missing.errors.find("/no/such.glb"), std::string::npos) << missing.errors;
   EXPECT_FALSE(std::filesystem::exists(output));
 
   // With no display to open it on, a window is an error like others.
-  const Run window = runHost(fmt::format("'{}' --window --frames 1", writeRedQuad().string()),
-                             "-u DISPLAY -u WAYLAND_DISPLAY");
+  const Outcome window = runHost(fmt::format("'{}' --window --frames 1", writeRedQuad().string()),
+                                 "-u DISPLAY -u WAYLAND_DISPLAY");
   EXPECT_EQ(window.status, 2);
   EXPECT_NE(window.errors.find("window"), std::string::npos) << window.errors;
 }

@@ -100,14 +100,16 @@ bool isDisplay(const std::string& pass) {
   return pass.rfind("display", 0) == 0 || pass == "rect-transparent";
 }
 
-/// Median over the repeats of each pass, in the order the passes ran.
+/// Median over the repeats of each pass, in the order of the first run. By name: a repeat of the same moment
+/// keeps the shadow map, and so has one pass less.
 std::vector<PassTime> medianTimes(const std::vector<std::vector<PassTime>>& runs) {
   std::vector<PassTime> medians = runs.front();
-  for (std::size_t i = 0; i < medians.size(); ++i) {
+  for (PassTime& median : medians) {
     std::vector<double> samples;
     for (const auto& run : runs)
-      if (i < run.size()) samples.push_back(run[i].milliseconds);
-    medians[i].milliseconds = summarize(samples).median;
+      for (const PassTime& time : run)
+        if (time.name == median.name) samples.push_back(time.milliseconds);
+    median.milliseconds = summarize(samples).median;
   }
   return medians;
 }

@@ -23,7 +23,7 @@ namespace {
 struct CompareOptions {
   std::vector<std::string> scenes;
   std::string output;
-  std::vector<std::string> methods = {"forward", "forward-prepass", "rect", "rect-deferred", "rect:bias=-2"};
+  std::vector<std::string> methods = {"forward", "rect", "rect:bias=-2", "rect-deferred", "forward-prepass"};
   int warmup = 2;
   int repeats = 1;
   ContextChoice context;
@@ -164,7 +164,10 @@ Image halved(const Image& image, int largestSide) {
 #define TESSERA_COMMIT ""
 #endif
 
-constexpr int kJpegQuality = 92;
+// A page of four scenes and five methods stays a page that a browser opens at once.
+constexpr int kPictureQuality = 90;
+constexpr int kErrorQuality = 75;
+constexpr int kAtlasQuality = 80;
 constexpr int kAtlasPreview = 2048;
 constexpr std::size_t kPictures = 3;
 
@@ -269,10 +272,12 @@ class SceneComparison {
     if (std::find(chosen_.begin(), chosen_.end(), f) != chosen_.end()) {
       ReportFrame pictures;
       pictures.frame = static_cast<int>(f);
-      pictures.image = encodeJpeg(picture, kJpegQuality).value_or(std::vector<std::uint8_t>());
-      pictures.error = encodePng(errorMap(*difference, kErrorFull)).value_or(std::vector<std::uint8_t>());
-      if (method.usesAtlas() && engine_.atlas() != nullptr)
-        pictures.atlas = encodeJpeg(halved(engine_.readAtlas(), kAtlasPreview), kJpegQuality)
+      pictures.image = encodeJpeg(picture, kPictureQuality).value_or(std::vector<std::uint8_t>());
+      pictures.error =
+          encodeJpeg(errorMap(*difference, kErrorFull), kErrorQuality).value_or(std::vector<std::uint8_t>());
+      // One atlas picture a method: the page shows it beside every frame.
+      if (method.usesAtlas() && engine_.atlas() != nullptr && series.pictures.empty())
+        pictures.atlas = encodeJpeg(halved(engine_.readAtlas(), kAtlasPreview), kAtlasQuality)
                              .value_or(std::vector<std::uint8_t>());
       series.pictures.push_back(std::move(pictures));
     }
@@ -360,7 +365,8 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
     evaluate(*scene, 0.0, state);
     report.lights = evaluateLights(*scene, state, lit, 0.0).size();
     report.note = fmt::format(
-        "{}; path {}; atlas {} x {}", lit != nullptr ? "stage " + lit->file : "no stage",
+        "{}; path {}; atlas {} x {}",
+        lit != nullptr ? "stage " + std::filesystem::path(lit->file).filename().string() : "no stage",
         camera.path.empty() ? "none" : camera.path, setup->atlas.memory.width, setup->atlas.memory.height);
     setup->request = {};
     for (const Method& method : methods) {

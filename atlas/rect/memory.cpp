@@ -1,5 +1,6 @@
 #include "atlas/rect/memory.hpp"
 
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 
@@ -43,6 +44,7 @@ Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint
   config.superblockLog2 = static_cast<glsl::uint>(options.superblockLog2);
   config.superblocks = (config.width >> config.superblockLog2) * (config.height >> config.superblockLog2);
   config.patchInstances = patchInstances;
+  config.views = 1;
   config.pressure = options.pressureBias ? 1 : 0;
   config.constantBias = options.bias;
   config.hysteresis = options.hysteresis;
@@ -136,9 +138,13 @@ void RectMemory::bindPhases() const {
 }
 
 void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t /*frame*/, std::uint32_t viewCount) {
+  assert(viewCount >= 1 && viewCount <= RECT_VIEWS);
+  if (viewCount != config_.views) {
+    config_.views = viewCount;
+    state_.writeValue(viewCount, offsetof(glsl::AtlasState, config) + offsetof(glsl::AtlasConfig, views));
+  }
   bindPhases();
   measure_->use();
-  measure_->set(LOCATION_COUNT, viewCount);
   dispatchIndirect(dispatch, 0);
 }
 

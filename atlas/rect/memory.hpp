@@ -13,7 +13,7 @@ namespace tessera {
 struct RectMemoryOptions {
   int width = 4096;        // texels; a multiple of the superblock, at most 16384
   int height = 2048;       // texels; a multiple of the superblock; record rows come on top
-  int superblockLog2 = 8;  // [1, 10]; also the largest block. 8: see the measurement in memory.cpp
+  int superblockLog2 = 8;  // [1, 10]; also the largest block
   float bias =
       0.0f;  // [-16, 16]; log2 of area taken off every block: 1 halves the texels, -2 quadruples them
   bool pressureBias = true;     // raise the bias when the visible set asks for more than the target S

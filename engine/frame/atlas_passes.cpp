@@ -65,8 +65,8 @@ void Engine::display(const View& view, DisplayMode mode) {
   const glm::vec4 linearBackground(b, 0.0f);
   const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
                                            glsl::encodeSrgb(b.b), 0.0f};
-  // Always through the framebuffer that is drawn to next: zink (Mesa 22.3) defers clears, and applies one that was made
-  // through another view of the texture in the wrong encoding.
+  // Always through the framebuffer that is drawn to next: zink (Mesa 22.3) defers clears, and applies one
+  // that was made through another view of the texture in the wrong encoding.
   const auto clear = [&](const gl::Framebuffer& target, const float* color) {
     gl::api().ClearNamedFramebufferfv(target.get(), GL_COLOR, 0, color);
     const float farthest = 0.0f;
@@ -84,7 +84,11 @@ void Engine::display(const View& view, DisplayMode mode) {
   s.atlas->displayTexture().bind(UNIT_ATLAS);
   const bool linear = s.atlas->format() == AtlasFormat::Rgba16f;
 
-  if (mode == DisplayMode::Deferred && s.deferred != nullptr) {
+  // Of the two forms the plan may have only one; that one draws, whichever was asked for.
+  const bool planned =
+      s.graph.find(mode == DisplayMode::Deferred ? "display-deferred" : "display") != nullptr;
+  const bool deferred = planned ? mode == DisplayMode::Deferred : mode != DisplayMode::Deferred;
+  if (deferred && s.deferred != nullptr) {
     s.pass("display-deferred", [&] {
       s.deferred->use();
       s.id.ids.bind(UNIT_ID);

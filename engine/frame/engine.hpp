@@ -73,6 +73,7 @@ class Engine {
   void shade(const View& view);
   /// Draws a view from the atlas into color(). Geometry: any camera, any size. Deferred: the view that
   /// findVisible was last called with.
+  /// If the plan (EngineOptions::request) has only the other form, that one draws.
   void display(const View& view, DisplayMode mode = DisplayMode::Geometry);
   /// The reference. With `depthPrepass`, depth alone is drawn first.
   void forward(const View& view, bool depthPrepass = false);

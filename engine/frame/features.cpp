@@ -57,27 +57,25 @@ SceneFeatures findFeatures(const Scene& scene, const Stage* stage) {
   }
   // Lights shine on lit materials only; without any, neither light nor shadow code exists.
   if (anyLit) {
-    auto add = [&](const Light& light, bool casts, const std::string& reason) {
+    auto add = [&](bool casts, const std::string& reason) {
       features.lights = true;
       note(features, "punctual-lights", reason);
       if (!casts) return;
       features.shadows = true;
       note(features, "shadows", reason + " casts");
-      static_cast<void>(light);
     };
     if (stage == nullptr || stage->sceneLights) {
       for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
         const std::uint32_t index = scene.nodes[i].light;
         if (index == kNone) continue;
         const Light& light = scene.lights[index];
-        add(light, light.castsShadow || (stage != nullptr && stage->sceneLightsCastShadows),
+        add(light.castsShadow || (stage != nullptr && stage->sceneLightsCastShadows),
             quoted("light", light.name, index) + " on " + quoted("node", scene.nodes[i].name, i));
       }
     }
     if (stage != nullptr)
       for (std::size_t i = 0; i < stage->lights.size(); ++i)
-        add(stage->lights[i].light, stage->lights[i].light.castsShadow,
-            "stage " + quoted("light", stage->lights[i].light.name, i));
+        add(stage->lights[i].light.castsShadow, "stage " + quoted("light", stage->lights[i].light.name, i));
     if (stage != nullptr && stage->ambient && stage->ambient->hemisphere()) {
       features.hemisphere = true;
       note(features, "hemisphere-ambient", stage->file);

@@ -10,7 +10,7 @@ namespace tessera::gl {
 enum class TimerMode {
   Query,  // GL_TIME_ELAPSED: GPU time, no stall before the result is asked for
   Wall    // glFinish around the work and the wall clock: for software renderers, where queries read 0 for
-        // compute and for draws without rasterization (llvmpipe, Mesa 22.3)
+          // compute and for draws without rasterization (llvmpipe, Mesa 22.3)
 };
 
 inline TimerMode timerModeFor(const ContextInfo& info) {

@@ -13,7 +13,6 @@ layout(std430, binding = BIND_VISIBLE) readonly buffer Visible { uint visibleCou
 layout(std430, binding = BIND_PATCH_MEASURE) writeonly buffer Measures { PatchMeasure measures[]; };
 layout(std430, binding = BIND_ATLAS_STATE) buffer AtlasStates { AtlasState atlas; };
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[RECT_VIEWS]; };
-layout(location = LOCATION_COUNT) uniform uint uViews;
 
 vec3 corner(InstanceGpu instance, uint vertex) {
   return transformPoint(instance, vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
@@ -34,7 +33,10 @@ PatchMeasure measureVisible(uint patchId) {
   vec3 v3 = geometry.triangles > 1u ? corner(instance, geometry.v3) : v1;
   vec3 v4 = geometry.triangles > 2u ? corner(instance, geometry.v4) : v0;
   PatchMeasure best = seenFrom(views[0].eye, v0, v1, v2, v3, v4, geometry.triangles);
-  for (uint view = 1u; view < uViews; ++view) {
+  // A number in a buffer: zink over lavapipe (Mesa 22.3.6) inlines uniforms that bound loops, and forgets to do so again
+  // when a program comes back into use.
+  uint viewCount = atlas.config.views;
+  for (uint view = 1u; view < viewCount; ++view) {
     PatchMeasure seen = seenFrom(views[view].eye, v0, v1, v2, v3, v4, geometry.triangles);
     if (seen.logArea > best.logArea) best = seen;
   }

@@ -24,9 +24,8 @@ void request(uint patchId, PatchMeasure measure) {
   uint level = selectLevel(measure, atlas.config.constantBias, atlas.pressureBias, atlas.config.superblockLog2,
                            current, known ? atlas.config.hysteresis : -1.0);
   if (known) {
-    if (current == level) return;
-    if ((current & kLevelSize) == (level & kLevelSize)) {  // the same block, seen the other way round
-      patchStates[patchId].level = level;
+    if ((current & kLevelSize) == (level & kLevelSize)) {
+      if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
       return;
     }
     if (levelWidth(current) > 0u) pushBlock(current, patchStates[patchId].origin);

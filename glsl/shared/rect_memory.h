@@ -31,6 +31,7 @@ struct AtlasConfig {
   uint superblockLog2;  // 1 to kMaxBlockLog2
   uint superblocks;     // how many there are
   uint patchInstances;
+  uint views;            // of the measuring pass, 1 to RECT_VIEWS
   uint pressure;         // 1: the bias follows from memory pressure
   float constantBias;    // log2 of area, subtracted before rounding; positive makes blocks smaller
   float hysteresis;      // log2; negative for none
@@ -134,9 +135,9 @@ SHARED_FN uint stackCapacityOf(AtlasConfig config, uint w, uint h) {
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::PatchState) == 12);
-static_assert(sizeof(tessera::glsl::AtlasConfig) == 52);
+static_assert(sizeof(tessera::glsl::AtlasConfig) == 56);
 static_assert(sizeof(tessera::glsl::LevelState) == 32);
 static_assert(sizeof(tessera::glsl::WidthState) == 20);
-static_assert(sizeof(tessera::glsl::AtlasState) == 52 + 14 * 4 + 66 * 32 + 11 * 20 + 8 * 64);
+static_assert(sizeof(tessera::glsl::AtlasState) == 56 + 14 * 4 + 66 * 32 + 11 * 20 + 8 * 64);
 #endif
 #endif

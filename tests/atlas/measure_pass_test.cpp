@@ -180,6 +180,11 @@ TEST_F(MeasurePass, IsTheSharedFormula) {
                 1e-5 * static_cast<double>(ideal) + 2.0);
     EXPECT_NEAR(static_cast<double>(onesOf(state)), ones, 2.0);
     EXPECT_GT(ones, 0u);
+    // Every frame sums anew.
+    memory.allocate(scene.dispatch, scene.frame);
+    memory.measure(scene.dispatch, scene.frame, viewCount);
+    EXPECT_EQ(idealOf(memory.readState()), summed);
+    EXPECT_EQ(onesOf(memory.readState()), onesOf(state));
   }
 }
 
@@ -197,6 +202,8 @@ TEST_F(MeasurePass, TheIdealAreaPasses32Bits) {
   const RectStatistics statistics = memory.readStatistics();
   EXPECT_NEAR(statistics.bias, std::log2(70000.0 * 1048576.0 / (0.75 * 4096 * 2048)), 1e-3);
   EXPECT_EQ(statistics.failures, 0u);
+  memory.measure(scene.dispatch, scene.frame, 1);
+  EXPECT_EQ(idealOf(memory.readState()), std::uint64_t{70000} << 20) << "a frame's sum went on into the next";
 }
 
 TEST_F(MeasurePass, NothingVisible) {
@@ -254,6 +261,40 @@ TEST_F(MeasurePass, PressureBringsDemandIntoTheAtlas) {
   without.measure(scene.dispatch, scene.frame, 1);
   without.allocate(scene.dispatch, scene.frame);
   EXPECT_GT(without.readStatistics().failures, scene.patchCount / 4);
+}
+
+TEST_F(MeasurePass, TheTargetIsCutByPressureAndGrowsBack) {
+  PatchScene scene(2000, 0, 0, 1, 0.5f);
+  RectMemoryOptions options;
+  options.width = options.height = 512;
+  options.superblockLog2 = 6;
+  options.targetShare = 0.5f;
+  options.targetCut = 0.75f;
+  options.targetGrowth = 1.125f;
+  options.highWater = 0.4f;  // half the atlas is wanted, so each reset is followed by another till S fits
+  RectMemory memory = make(options, scene.patchCount);
+  const float largest = 0.5f * 512 * 512;
+  const auto frame = [&](std::uint32_t visible) {
+    scene.upload({viewFrom(0, 0, 60, 5000)}, visible);
+    memory.measure(scene.dispatch, scene.frame, 1);
+    memory.allocate(scene.dispatch, scene.frame);
+    return memory.readStatistics();
+  };
+  EXPECT_EQ(frame(scene.patchCount).target, largest);
+  RectStatistics statistics = frame(scene.patchCount);
+  EXPECT_EQ(statistics.resets, 1u);
+  EXPECT_EQ(statistics.target, largest * 0.75f);
+  for (int i = 0; i < 40 && statistics.load > 0.4f; ++i) statistics = frame(scene.patchCount);
+  EXPECT_LE(statistics.load, 0.4f) << "S was not cut far enough to pass under the mark";
+  memory.reset();
+  float target = frame(10).target;
+  for (int i = 0; i < 3; ++i) {
+    statistics = frame(10);
+    EXPECT_FLOAT_EQ(statistics.target, std::fmin(largest, target * 1.125f));
+    target = statistics.target;
+  }
+  for (int i = 0; i < 10; ++i) statistics = frame(10);
+  EXPECT_EQ(statistics.target, largest);
 }
 
 TEST_F(MeasurePass, ConstantBiasHalvesTexels) {
@@ -338,6 +379,7 @@ TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
   EXPECT_CONFIG(superblockLog2);
   EXPECT_CONFIG(superblocks);
   EXPECT_CONFIG(patchInstances);
+  EXPECT_CONFIG(views);
   EXPECT_CONFIG(pressure);
   EXPECT_CONFIG(constantBias);
   EXPECT_CONFIG(hysteresis);

@@ -72,7 +72,8 @@ void checkSound(const Mesh& mesh, const PatchSet& set, const std::string& what) 
                   patch.v4 == patch.v3);
     }
     for (const Corners& corners : trianglesOf(patch)) {
-      ASSERT_EQ(glsl::patchOfTriangle(instance.patchBase, instance.pairs, instance.triples, place), instance.patchBase + i);
+      ASSERT_EQ(glsl::patchOfTriangle(instance.patchBase, instance.pairs, instance.triples, place),
+                instance.patchBase + i);
       const std::uint32_t* t = &mesh.indices[std::size_t{3} * set.order[place]];
       ASSERT_EQ(canonical(corners), canonical({t[0], t[1], t[2]})) << "patch " << i;
       ++place;

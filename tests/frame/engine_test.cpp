@@ -132,7 +132,8 @@ void expectExactCoverage(Engine& engine) {
   std::memcpy(drawn.data(), bytes.data(), bytes.size());
 
   std::vector<int> claimed(drawn.size(), 0);
-  const auto states = engine.atlas()->memory().patchStates().readAll<glsl::PatchState>(engine.drawScene().patchInstances);
+  const auto states =
+      engine.atlas()->memory().patchStates().readAll<glsl::PatchState>(engine.drawScene().patchInstances);
   std::size_t texels = 0;
   for (const std::uint32_t patch : engine.visibleSet()->read()) {
     const glsl::PatchState& state = states[patch];

@@ -82,8 +82,9 @@ Result<void> run(Host& host, const Options& options) {
     (*engine)->rect(cameraOf(**engine, picture.width, picture.height));
     (*engine)->blit(host.framebuffer(), picture.x, picture.y, picture.width, picture.height);
 
-    painter->frame(picture, 4, kFrame);  // the host's program, vertex array and blending are still in place
+    // The host's program, vertex array, framebuffer and blending are still in place.
     painter->fill({picture.x, picture.y, picture.width, picture.height / 8}, kBar);
+    painter->frame(picture, 4, kFrame);
     // Embedding ends.
     const bool last = frame == options.frames;
     const auto shown = options.output.empty() ? tessera::Image{} : readPicture(host);

@@ -120,7 +120,7 @@ class Engine {
   /// Bytes of GPU memory by purpose: "geometry", "textures", "atlas", "targets", "shadow-map".
   [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> memory() const;
 
-  static constexpr std::size_t kMaxViews = 8;
+  static constexpr std::size_t kMaxViews = RECT_VIEWS;
 
  private:
   Engine();

@@ -102,9 +102,7 @@ Result<void> open(const Options& options) {
   return run(**host, options);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int runProgram(int argc, char** argv) {
   Options options;
   CLI::App app("A host program that embeds tessera in a GL context of its own.");
   app.add_option("scene", options.scene, "glTF 2.0 file, .gltf or .glb")->required();
@@ -116,14 +114,22 @@ int main(int argc, char** argv) {
   app.add_option("--height", options.height, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
   try {
     app.parse(argc, argv);
-    const auto result = open(options);
-    if (result) return 0;
-    fmt::print(stderr, "embed: {}\n", result.error().message);
   } catch (const CLI::ParseError& error) {
-    if (app.exit(error) == 0) return 0;
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto result = open(options);
+  if (result) return 0;
+  fmt::print(stderr, "embed: {}\n", result.error().message);
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return runProgram(argc, argv);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "embed: {}\n", error.what());
+    std::fprintf(stderr, "embed: %s\n", error.what());
     return 1;
   }
-  return 2;
 }

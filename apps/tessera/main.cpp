@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,7 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "tessera: {}\n", error.what());
+    std::fprintf(stderr, "tessera: %s\n", error.what());
     return static_cast<int>(tessera::app::Exit::Failed);
   }
 }

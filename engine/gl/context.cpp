@@ -205,6 +205,7 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
     GLint count = 0;
     gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
     std::vector<std::string> offered;
+    offered.reserve(static_cast<std::size_t>(count));
     for (GLint i = 0; i < count; ++i)
       offered.emplace_back(
           reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));

@@ -87,7 +87,7 @@ Result<std::string> assembleShader(std::string_view header, std::string_view pat
   return out;
 }
 
-Result<Program> Program::build(const Context& context, std::vector<std::string> paths,
+Result<Program> Program::build(const Context& context, const std::vector<std::string>& paths,
                                const Defines& defines) {
   const GladGLContext& gl = api();
   Program program;

@@ -33,7 +33,7 @@ class Program {
  public:
   Program() = default;
   /// Compiles and links; the stage follows from each file's ending (.vert .frag .comp .tesc .tese).
-  static Result<Program> build(const Context& context, std::vector<std::string> paths,
+  static Result<Program> build(const Context& context, const std::vector<std::string>& paths,
                                const Defines& defines = {});
   [[nodiscard]] GLuint get() const { return name_.get(); }
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(name_); }

@@ -13,8 +13,8 @@
 
 namespace tessera {
 
-// NOLINTNEXTLINE(bugprone-exception-escape): the json value moves without throwing; the check follows its
-// assertions
+// json moves without throwing; the check follows its asserts.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 struct GltfDocument {
   std::string file;                   // what messages call it
   std::vector<std::uint8_t> bytes;    // the whole file; `bin` points into it

@@ -22,6 +22,8 @@ Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, std::uint32_t 
 void VisibleSet::begin() {
   // Frame numbers start at 1, so that freshly zeroed marks mean "never seen"; after 2^32 - 1 frames all start
   // over.
+  // The last frame's shaders wrote what is cleared here.
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   if (++frame_ == 0) {
     marks_.fill(0);
     frame_ = 1;

@@ -169,6 +169,7 @@ void RectMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
 
 void RectMemory::setBias(float bias) {
   config_.constantBias = bias;
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   state_.writeValue(bias, offsetof(glsl::AtlasState, config) + offsetof(glsl::AtlasConfig, constantBias));
 }
 

@@ -89,6 +89,8 @@ void RectAtlas::emit(const VisibleSet& visible) {
   visible.bind();
   bind();
   memory_.bind();
+  // The last frame's counts came from a shader.
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl::api().CopyNamedBufferSubData(emptyCommands_.get(), commands_.get(), 0, 0,
                                    static_cast<GLsizeiptr>(commands_.size()));
   emit_->use();

@@ -10,9 +10,8 @@
 namespace tessera {
 
 /// Fills Vertices::tangent of a primitive from its positions, normals and UV set 0 or 1 (not transformed by
-/// KHR_texture_transform). xyz is unit and perpendicular to the normal; w is -1 where the texture is not
-/// mirrored on the surface, in the file's convention of v running down, so that w * cross(normal, tangent)
-/// points up the picture.
+/// KHR_texture_transform). xyz is unit and perpendicular to the normal; w is +1 where the picture is not
+/// mirrored on the surface, else -1, so that w * cross(normal, tangent) points up the picture, against v.
 ///
 /// Corners of equal position, normal and UV share one tangent where their triangles meet along edges and have
 /// the same handedness, weighted by the corners' angles. A vertex that needs several tangents is split:

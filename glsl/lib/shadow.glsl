@@ -13,14 +13,19 @@ uint cubeFace(vec3 d) {
 float lightReaching(uint index, vec3 position, vec3 n) {
   uint layer = lights[index].shadowLayer;
   vec3 toPoint = position - lights[index].position.xyz;
-  if (lights[index].type == kLightPoint) layer += cubeFace(toPoint);
-  vec4 texel = shadows[layer].texel;
+  bool cube = lights[index].type == kLightPoint;
+  vec4 texel = shadows[layer].texel;  // the same for all faces of a cube
   float reach = texel.y > 0.0 ? length(toPoint) : 1.0;
   // Moving the point off the surface by about a shadow texel keeps it clear of its own depth (normal offset).
-  vec3 p = position + n * (1.5 * texel.x * reach);
+  vec3 offset = n * (1.5 * texel.x * reach);
+  vec3 p = position + offset;
+  // The face of the moved point: near a cube's edges the surface's own may not see it.
+  if (cube) layer += cubeFace(toPoint + offset);
   vec4 clip = shadows[layer].viewProjection * vec4(p, 1.0);
   if (clip.w <= 0.0) return 1.0;
   vec3 c = clip.xyz / clip.w;
-  if (abs(c.x) > 1.0 || abs(c.y) > 1.0 || c.z > 1.0) return 1.0;
+  if (c.z > 1.0) return 1.0;
+  // A cube has no outside: what lies past a face's edge does so by rounding, and the texture clamps it.
+  if (!cube && (abs(c.x) > 1.0 || abs(c.y) > 1.0)) return 1.0;
   return texture(uShadow, vec4(c.xy * 0.5 + 0.5, float(layer), c.z));
 }

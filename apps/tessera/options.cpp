@@ -37,7 +37,7 @@ void addStage(CLI::App& command, StageChoice& choice) {
 
 void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--atlas-mpix", choice.megapixels, "atlas size in 2^20 texels")
-      ->check(CLI::Range(0.0625, 256.0))
+      ->check(CLI::Range(0.0625, 128.0))
       ->capture_default_str();
   command
       .add_option("--bias", choice.bias,

@@ -94,7 +94,8 @@ void main() {
 #endif
 
 #ifdef UNLIT
-  vec3 color = base.rgb;
+  // KHR_materials_unlit: the colour as it is, neither exposed nor tone-mapped.
+  oColor.rgb = clamp(base.rgb, 0.0, 1.0);
 #else
 #if defined(DOUBLE_SIDED) && defined(GATHER)
   float side = vFacing;
@@ -165,10 +166,10 @@ void main() {
   emissive *= texture(uEmissive, uvOf(kSlotEmissive)).rgb;
 #endif
   color += emissive;
-#endif  // UNLIT
 
   color *= frame.ambientSky.w;
   oColor.rgb = vec3(toneCurve(color.r), toneCurve(color.g), toneCurve(color.b));
+#endif  // UNLIT
   // A NaN that slips through every guard above must not reach the atlas, where it would live for many frames.
   if (any(isnan(oColor.rgb))) oColor.rgb = vec3(0.0);
 #ifdef BLEND

@@ -162,6 +162,10 @@ TEST(GltfValues, QuantizedAttributes) {
   expectNear(scene.vertices.normal[3], glm::vec3(std::sqrt(0.5f), 0, -std::sqrt(0.5f)));
   EXPECT_TRUE(scene.warnings.empty());
 
+  maker.json["accessors"][static_cast<std::size_t>(maker.primitive()["attributes"]["POSITION"])]
+            ["normalized"] = true;
+  EXPECT_EQ(loaded(maker).vertices.position[3].y, -1.0f);  // -128 / 127, clamped
+
   maker.json.erase("extensionsRequired");
   maker.json.erase("extensionsUsed");
   EXPECT_EQ(loaded(maker).warnings.size(), 1U);
@@ -639,23 +643,23 @@ TEST(GltfFiles, AFolderReachedByALinkIsTheScenesFolder) {
 
 TEST(GltfFiles, Images) {
   GltfMaker maker = square();
+  maker.append("images", {{"uri", "nowhere.png"}});
   addTexturedMaterial(maker);
   maker.primitive()["material"] = 0;
   maker.append("images", {{"uri", "picture.png"}, {"name", "pic"}});
-  maker.append("images", {{"uri", "nowhere.png"}});
-  maker.append("textures", {{"source", 1}});
+  maker.append("textures", {{"source", 2}});
   maker.append("materials", {{"emissiveTexture", {{"index", 1}}}});
   const TempFolder folder;
   folder.write("picture.png", encodePng({3, 1, {1, 2, 3, 255, 4, 5, 6, 255, 7, 8, 9, 255}}).value());
 
   auto scene = maker.load(folder);
   ASSERT_TRUE(scene) << scene.error().message;
-  ASSERT_EQ(scene->images.size(), 2U);  // the third is used by nothing
+  ASSERT_EQ(scene->images.size(), 2U);  // the first is used by nothing
   EXPECT_EQ(scene->images[1].name, "pic");
   EXPECT_EQ(scene->images[1].image.width, 3);
   EXPECT_EQ(*scene->images[1].image.at(2, 0), 7);
   EXPECT_EQ(scene->materials[1].emissive.image, 1U);
-  EXPECT_EQ(scene->warnings.back(), "an image that no material uses cannot be read (image 2)");
+  EXPECT_EQ(scene->warnings.back(), "an image that no material uses cannot be read (image 0)");
 
   scene = maker.load(folder, {.loadImages = false, .progress = {}});
   ASSERT_TRUE(scene);

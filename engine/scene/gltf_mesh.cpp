@@ -159,22 +159,21 @@ class MeshBuilder {
     if (!in.targets.empty()) input_.warnings.add("morph targets are not applied", element_);
     if (auto ok = checkAttributes(in); !ok) return ok;
     const auto position = in.attributes.find(kPosition.name);
-    auto corners =
-        cornersOf(in, position == in.attributes.end() ? 0 : input_.accessors.count(position->second));
-    if (!corners) return tl::unexpected(corners.error());
-    if (corners->empty()) return {};
     if (position == in.attributes.end()) {
       input_.warnings.add("primitive without POSITION is not drawn", element_);
       return {};
     }
+    auto corners = cornersOf(in, input_.accessors.count(position->second));
+    if (!corners) return tl::unexpected(corners.error());
+    if (corners->empty()) return {};
     dropRepeatedIndices(*corners);
     if (corners->empty()) {
       input_.warnings.add("primitive has 0 triangles", element_);
       return {};
     }
 
-    const std::uint32_t material = materialOf(in);
-    const Needs needs = needsOf(scene_.materials[material]);
+    const std::uint32_t material = shown ? materialOf(in) : kNone;
+    const Needs needs = shown ? needsOf(scene_.materials[material]) : Needs{};
     Geometry geometry;
     geometry.indices = std::move(*corners);
     const std::vector<std::uint32_t> vertices = compactor_.compact(geometry.indices);

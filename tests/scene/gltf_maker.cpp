@@ -33,7 +33,7 @@ TempFolder::~TempFolder() {
 }
 
 std::filesystem::path TempFolder::write(const std::string& name, const Bytes& bytes) const {
-  const std::filesystem::path file = path_ / name;
+  std::filesystem::path file = path_ / name;
   std::filesystem::create_directories(file.parent_path());
   if (!writeFile(file, bytes)) throw std::runtime_error("cannot write " + file.string());
   return file;

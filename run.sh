@@ -40,13 +40,22 @@ install_packages() {
   hint=""
 }
 
+# Runs a command, and shows what it printed only if it fails.
+quietly() {
+  local log status=0
+  log=$(mktemp)
+  "$@" >"$log" 2>&1 || status=$?
+  [ $status -eq 0 ] || cat "$log" >&2
+  rm -f "$log"
+  return $status
+}
+
 build_all() {
   install_packages "${packages[@]}"
   if [ ! -f "$build/build.ninja" ]; then
     say "configuring"
     hint="delete $build and try again"
-    cmake --preset release >"/tmp/tessera-configure.$$" 2>&1 || { cat "/tmp/tessera-configure.$$" >&2; return 1; }
-    rm -f "/tmp/tessera-configure.$$"
+    quietly cmake --preset release
   fi
   say "building"
   hint="the first error above is the one to look at"
@@ -73,8 +82,9 @@ case "$command" in
     "$build/apps/tessera/tessera" compare assets/atrium.glb -o out/demo --frames 6 "$@"
     ;;
   tessera)
-    build_all 2>"/tmp/tessera-build.$$" >&2 || { cat "/tmp/tessera-build.$$" >&2; exit 1; }
-    rm -f "/tmp/tessera-build.$$"
+    # As a command of its own: within "||" bash would not stop it at its first failure.
+    step="building"
+    quietly "$root/run.sh" build
     trap - EXIT
     exec "$build/apps/tessera/tessera" "$@"
     ;;

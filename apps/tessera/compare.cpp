@@ -162,10 +162,6 @@ Image halved(const Image& image, int largestSide) {
   return small;
 }
 
-#ifndef TESSERA_COMMIT
-#define TESSERA_COMMIT ""
-#endif
-
 // A page of four scenes and five methods stays a page that a browser opens at once.
 constexpr int kPictureQuality = 90;
 constexpr int kErrorQuality = 75;
@@ -434,8 +430,8 @@ Result<void> compare(const CompareOptions& options) {
   Report report;
   const gl::ContextInfo& info = (*context)->info();
   report.context = {
-      info.backendName, info.renderer,  info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)),
-      TESSERA_COMMIT,   options.command};
+      info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
+      options.command};
   for (const std::string& file : options.scenes) {
     auto scene = compareScene(**context, file, methods, options, *size);
     if (!scene) return tl::unexpected(scene.error());

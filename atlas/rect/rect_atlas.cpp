@@ -62,6 +62,7 @@ Result<RectAtlas> RectAtlas::create(gl::ProgramCache& programs, const RectAtlasO
     longest = std::max(longest, batch.entryCapacity);
     commands.push_back({0, 1, 0, 4 * batch.firstEntry, 0});
   }
+  atlas.batches_ = gl::Buffer(batches, 0);
   atlas.commands_ = gl::Buffer(commands);
   atlas.emptyCommands_ = gl::Buffer(commands, 0);
   atlas.indices_ = gl::Buffer(entryIndices(longest), 0);
@@ -103,6 +104,7 @@ void RectAtlas::bind() const {
   vertices_.bindStorage(BIND_DRAW_VERTICES);
   gather_.bindStorage(BIND_GATHER_VERTICES);
   commands_.bindStorage(BIND_DRAW_COMMANDS);
+  batches_.bindStorage(BIND_BATCHES);
 }
 
 void RectAtlas::beginShading() const {

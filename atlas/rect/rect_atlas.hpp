@@ -65,6 +65,7 @@ class RectAtlas {
   gl::Buffer entries_;   // uint[patch instances]: first draw entry | mirrored << 31
   gl::Buffer vertices_;  // DisplayVertex[4 * entries]
   gl::Buffer gather_;    // GatherVertex[4 * entries]
+  gl::Buffer batches_;   // BatchGpu[batches]
   gl::Buffer commands_;  // DrawCommand[batches]
   gl::Buffer emptyCommands_;
   gl::Buffer indices_;

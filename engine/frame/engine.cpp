@@ -90,8 +90,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
     if (!visible) return tl::unexpected(visible.error());
     s.visible = std::move(*visible);
     std::vector<glsl::BatchGpu> batches;
-    for (const Batch& batch : s.draw.batches)
-      batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
+    for (const Batch& batch : s.draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity});
     auto atlas = RectAtlas::create(s.programs, options.atlas, s.draw.patchInstances, s.draw.entries, batches);
     if (!atlas) return tl::unexpected(atlas.error());
     s.atlas = std::move(*atlas);
@@ -169,7 +168,6 @@ void Engine::update(double time) {
   glsl::FrameGpu frame{};
   frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
   frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
-  frame.background = glm::vec4(s.options.background, 0.0f);
   frame.lightCount = static_cast<glsl::uint>(s.lights.lights.size());
   s.frameBuffer.writeValue(frame);
   s.updated = true;

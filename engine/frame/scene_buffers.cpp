@@ -148,8 +148,7 @@ std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawSce
     gpu.triples = set.triples;
     gpu.singles = set.singles;
     gpu.batch = batch;
-    gpu.flags = (mirrors(world) ? glsl::kInstanceMirrored : 0u) |
-                (scene.materials[material].doubleSided ? glsl::kInstanceDoubleSided : 0u);
+    gpu.flags = mirrors(world) ? glsl::kInstanceMirrored : 0u;
     gpu.material = material;
     records.push_back(gpu);
   };
@@ -184,10 +183,6 @@ Result<SceneBuffers> upload(Scene& scene, const DrawScene& draw) {
   buffers.materials = gl::Buffer(buffers.materialStride * scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i)
     buffers.materials.writeValue(materialRecord(scene.materials[i]), i * buffers.materialStride);
-  std::vector<glsl::BatchGpu> batches;
-  for (const Batch& batch : draw.batches)
-    batches.push_back({batch.firstEntry, batch.entryCapacity, batch.material, 0});
-  buffers.batches = gl::Buffer(batches, 0);
   buffers.instances = gl::Buffer((draw.instances.size() + draw.blended.size()) * sizeof(glsl::InstanceGpu));
   for (const gl::Buffer* buffer :
        {&buffers.positions, &buffers.normals, &buffers.tangents, &buffers.uv0, &buffers.uv1, &buffers.colors,
@@ -229,7 +224,6 @@ void SceneBuffers::bind() const {
   instances.bindStorage(BIND_INSTANCES);
   patches.bindStorage(BIND_PATCHES);
   patchInstance.bindStorage(BIND_PATCH_INSTANCE);
-  batches.bindStorage(BIND_BATCHES);
 }
 
 void SceneBuffers::bindMaterial(std::uint32_t material, const Permutation& permutation) const {

@@ -20,7 +20,6 @@ struct SceneBuffers {
   gl::Buffer patchInstance;
   gl::Buffer materials;  // MaterialGpu, materialStride bytes apart
   std::size_t materialStride = 0;
-  gl::Buffer batches;  // BatchGpu
   gl::VertexArray vertexArray;
   std::vector<gl::Texture> textures;
   std::vector<gl::Sampler> samplers;

@@ -37,8 +37,6 @@ struct DrawCommand {
 struct BatchGpu {
   uint firstEntry;
   uint entryCapacity;
-  uint material;
-  uint flags;
 };
 
 // Block coordinate of a corner along one axis, in half texels from the block's start, where bilinear filtering stays
@@ -66,6 +64,6 @@ TESSERA_SHARED_END
 static_assert(sizeof(tessera::glsl::DisplayVertex) == 16);
 static_assert(sizeof(tessera::glsl::GatherVertex) == 8);
 static_assert(sizeof(tessera::glsl::DrawCommand) == 20);
-static_assert(sizeof(tessera::glsl::BatchGpu) == 16);
+static_assert(sizeof(tessera::glsl::BatchGpu) == 8);
 #endif
 #endif

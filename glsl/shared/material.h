@@ -40,8 +40,7 @@ SHARED_CONST uint kMaxShadowLayers = 200u;
 
 struct FrameGpu {
   vec4 ambientSky;     // rgb radiance from above; w = exposure
-  vec4 ambientGround;  // rgb radiance from below; w = shadow texel scale
-  vec4 background;     // display-referred linear rgb behind everything
+  vec4 ambientGround;  // rgb radiance from below; w unused
   uint lightCount;
   uint reserved0;
   uint reserved1;
@@ -60,7 +59,7 @@ static_assert(sizeof(tessera::glsl::MaterialGpu) == 208);
 static_assert(sizeof(tessera::glsl::LightGpu) == 64);
 static_assert(sizeof(tessera::glsl::LightGpu) * tessera::glsl::kMaxLights <= 16384);
 static_assert(sizeof(tessera::glsl::ShadowGpu) * tessera::glsl::kMaxShadowLayers <= 16384);
-static_assert(sizeof(tessera::glsl::FrameGpu) == 64);
+static_assert(sizeof(tessera::glsl::FrameGpu) == 48);
 static_assert(sizeof(tessera::glsl::ShadowGpu) == 80);
 #endif
 #endif

@@ -20,7 +20,6 @@ struct PatchGeometry {
 };
 
 SHARED_CONST uint kInstanceMirrored = 1u;     // the world matrix has a negative determinant
-SHARED_CONST uint kInstanceDoubleSided = 2u;
 
 // A primitive placed in the world. Patch-instance ids are patchBase .. patchBase + patchCount - 1; the triangles of
 // a primitive are sorted: pairs first, then triples, then singles, so a patch follows from a triangle's number.

@@ -186,6 +186,17 @@ Result<CameraPath> pathOf(const CameraChoice& choice, const Stage* stage) {
 
 }  // namespace
 
+Result<void> coverPath(CameraChoice& choice, const Stage* stage) {
+  auto path = pathOf(choice, stage);
+  if (!path) return tl::unexpected(path.error());
+  if (choice.fps > 0.0) return {};
+  const double duration = path->keys.back().time - path->keys.front().time;
+  if (choice.frames < 2 || duration <= 0.0)
+    return fail("--path {}: {} frames of {} s cannot cover it", choice.path, choice.frames, duration);
+  choice.fps = (choice.frames - 1) / duration;
+  return {};
+}
+
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size) {
   const double zNear = defaultNear(scene);

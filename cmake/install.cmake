@@ -6,7 +6,8 @@ include(CMakePackageConfigHelpers)
 # tessera_atlas_bench holds.
 install(DIRECTORY engine atlas DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
         PATTERN "engine_state.hpp" EXCLUDE PATTERN "gltf_*.hpp" EXCLUDE
-        PATTERN "request_stream.hpp" EXCLUDE PATTERN "quadtree*.hpp" EXCLUDE)
+        PATTERN "request_stream.hpp" EXCLUDE PATTERN "place_tracker.hpp" EXCLUDE
+        PATTERN "quadtree*.hpp" EXCLUDE)
 install(DIRECTORY glsl/shared DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera/glsl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/engine/gl/glad/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera)
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera/assets

@@ -1,9 +1,10 @@
-#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 
 #include "apps/tessera/atlas_bench.hpp"
 #include "apps/tessera/progress.hpp"
+#include "atlas/rect/place_tracker.hpp"
 #include "atlas/rect/quadtree_atlas.hpp"
 #include "engine/gl/timer.hpp"
 #include "glsl/shared/bindings.h"
@@ -51,48 +52,13 @@ class StreamFeed {
   std::uint32_t number_ = 0;
 };
 
-/// Follows where patches are, from their states alone: nothing that an allocator says of itself is believed.
-class Places {
- public:
-  explicit Places(std::uint32_t patchInstances) : last_(patchInstances) {}
-
-  void follow(const RequestFrame& frame, std::span<const glsl::PatchState> states, std::uint32_t epoch,
-              BenchFrame& figures) {
-    const bool reset = number_ > 0 && epoch != epoch_;
-    figures.reset = reset;
-    ++number_;
-    epoch_ = epoch;
-    for (const std::uint32_t patch : frame.patches) {
-      const glsl::PatchState& now = states[patch];
-      Place& last = last_[patch];
-      const std::uint32_t size = now.level & glsl::kLevelSize;
-      const bool holds = now.epoch == epoch && glsl::levelWidth(size) > 0;
-      if (holds && last.frame + 1 == number_ && last.frame > 0) {
-        const bool sameSize = last.size == size;
-        const bool samePlace = sameSize && last.origin == now.origin;
-        if (sameSize && !reset) {
-          ++figures.stayed;
-          figures.kept += samePlace ? 1.0 : 0.0;
-        }
-        if (!samePlace) {
-          ++figures.moved;
-          figures.movedTexels += static_cast<double>(glsl::levelTexels(size));
-        }
-      }
-      if (holds) last = {now.origin, size, number_};
-    }
-  }
-
- private:
-  struct Place {
-    std::uint32_t origin = 0;
-    std::uint32_t size = 0;
-    std::uint32_t frame = 0;  // in which the patch was last visible with a block; frames count from 1
-  };
-  std::vector<Place> last_;
-  std::uint32_t number_ = 0;
-  std::uint32_t epoch_ = 0;
-};
+void add(const PlaceChanges& changes, BenchFrame& figures) {
+  figures.reset = changes.reset;
+  figures.stayed = changes.stayed;
+  figures.kept = changes.kept;
+  figures.moved = changes.moved;
+  figures.movedTexels = static_cast<double>(changes.movedTexels);
+}
 
 }  // namespace
 
@@ -106,7 +72,7 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
   RectMemory memory = std::move(*made);
   const glsl::AtlasConfig config = memory.readState().config;
   StreamFeed feed(patches, stream.mostVisible());
-  Places places(patches);
+  PlaceTracker places(patches);
   gl::Timer timer(gl::timerModeFor(context.info()));
   RequestStream::Reader reader(stream);
   RequestFrame frame;
@@ -120,8 +86,9 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
     BenchFrame figures;
     figures.ms = timer.milliseconds();
     const RectStatistics statistics = memory.readStatistics();
-    places.follow(frame, memory.patchStates().readAll<glsl::PatchState>(patches), memory.readState().epoch,
-                  figures);
+    add(places.follow(frame.patches, memory.patchStates().readAll<glsl::PatchState>(patches),
+                      memory.readState().epoch),
+        figures);
     figures.live = static_cast<double>(statistics.liveTexels);
     figures.end = static_cast<double>(statistics.endTexels);
     figures.stack = static_cast<double>(statistics.stackTexels);
@@ -143,7 +110,7 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
 Result<BenchRun> runQuadtree(const RequestStream& stream, const glsl::AtlasConfig& config,
                              Progress& progress) {
   QuadtreeAtlas atlas(config);
-  Places places(config.patchInstances);
+  PlaceTracker places(config.patchInstances);
   RequestStream::Reader reader(stream);
   RequestFrame frame;
   BenchRun run{"CPU quadtree", {}};
@@ -155,7 +122,7 @@ Result<BenchRun> runQuadtree(const RequestStream& stream, const glsl::AtlasConfi
     atlas.frame(frame.patches, frame.measures, ideal);
     BenchFrame figures;
     figures.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    places.follow(frame, atlas.patchStates(), atlas.epoch(), figures);
+    add(places.follow(frame.patches, atlas.patchStates(), atlas.epoch()), figures);
     figures.live = static_cast<double>(atlas.allocator().liveTexels());
     figures.free = static_cast<double>(atlas.allocator().rootTexels());
     figures.stack = texels - figures.live - figures.free;

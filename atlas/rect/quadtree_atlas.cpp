@@ -31,8 +31,10 @@ QuadtreeAtlas::QuadtreeAtlas(const glsl::AtlasConfig& config)
 void QuadtreeAtlas::frame(std::span<const std::uint32_t> patches,
                           std::span<const glsl::PatchMeasure> measures, const IdealTexels& ideal) {
   assert(patches.size() == measures.size());
+  const float load = static_cast<float>(config_.width) * static_cast<float>(config_.height) -
+                     static_cast<float>(allocator_.rootTexels());
   pressure_ = glsl::stepPressure(pressure_, config_.pressure, failures_ > 0,
-                                 static_cast<float>(allocator_.liveTexels()), false, false);
+                                 load, false, false);
   if (pressure_.reset != 0) {
     ++epoch_;
     allocator_.reset();

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "atlas/rect/place_tracker.hpp"
 #include "atlas/rect/quadtree_atlas.hpp"
 #include "tests/atlas/memory_scenarios.hpp"
 
@@ -325,6 +326,51 @@ TEST(QuadtreeAtlas, BiasResetsAndHysteresisAreTheSharedOnes) {
   EXPECT_EQ(full.blocksMade(), 64u);
   const auto partition = checkPartition(full.allocator().snapshot());
   EXPECT_TRUE(partition) << partition.error().message;
+  // What counts is what is cut and not merged back: 3 halves of 32 texels cut 2 roots of 64.
+  config.pressure.highWater = 127.0f;
+  QuadtreeAtlas cut(config);
+  const std::vector<glsl::PatchMeasure> halves(3, {5.0f, 1.0f});
+  cut.frame(std::span(patches).first(3), halves, sumIdeal(config, halves));
+  EXPECT_EQ(cut.allocator().liveTexels(), 96u);
+  cut.frame(std::span(patches).first(3), halves, sumIdeal(config, halves));
+  EXPECT_EQ(cut.resets(), 1u);
+}
+
+TEST(PlaceTracker, CountsAsWorkedByHand) {
+  const auto at = [](glsl::uint x, glsl::uint w, glsl::uint h, glsl::uint epoch, bool transposed = false) {
+    return glsl::PatchState{glsl::packOrigin(x, 0), glsl::packLevel(w, h, transposed), epoch};
+  };
+  PlaceTracker tracker(5);
+  const auto expect = [](const PlaceChanges& c, bool reset, std::uint32_t stayed, std::uint32_t kept,
+                         std::uint32_t moved, std::uint64_t texels) {
+    EXPECT_EQ(c.reset, reset);
+    EXPECT_EQ(c.stayed, stayed);
+    EXPECT_EQ(c.kept, kept);
+    EXPECT_EQ(c.moved, moved);
+    EXPECT_EQ(c.movedTexels, texels);
+  };
+  const std::vector<std::uint32_t> all = {0, 1, 2, 3, 4};
+  const std::vector<std::uint32_t> some = {0, 1, 2, 3};
+  std::vector<glsl::PatchState> states = {at(0, 2, 1, 1), at(8, 2, 2, 1), at(16, 3, 0, 1), at(0, 0, 0, 1),
+                                          at(32, 1, 1, 1)};
+  expect(tracker.follow(all, states, 1), false, 0, 0, 0, 0);
+  // 0 is seen the other way round, 1 moves, 2 grows, 3 gets its first block, 4 is out of sight.
+  states[0] = at(0, 2, 1, 1, true);
+  states[1] = at(64, 2, 2, 1);
+  states[2] = at(16, 3, 1, 1);
+  states[3] = at(128, 1, 0, 1);
+  expect(tracker.follow(some, states, 1), false, 2, 1, 2, 16 + 16);
+  // 4 comes back: it has no last place. 3 fails.
+  states[3] = at(0, 0, 0, 1);
+  expect(tracker.follow(all, states, 1), false, 3, 3, 0, 0);
+  // A reset: 0 and 1 move, 2 happens to get its old place; 4's state is of the old epoch.
+  states[0] = at(4, 2, 1, 2);
+  states[1] = at(8, 2, 2, 2);
+  states[2] = at(16, 3, 1, 2);
+  states[3] = at(0, 1, 0, 2);
+  expect(tracker.follow(all, states, 2), true, 0, 0, 2, 8 + 16);
+  expect(tracker.follow({}, states, 2), false, 0, 0, 0, 0);
+  expect(tracker.follow(all, states, 2), false, 0, 0, 0, 0);
 }
 
 }  // namespace

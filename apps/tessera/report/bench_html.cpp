@@ -30,7 +30,7 @@ std::string row(const std::string& head, const std::vector<std::string>& cells) 
 
 const std::vector<std::string> kSummaryHead = {
     "Frames out of memory", "Resets", "Live, of the atlas", "Kept their place", "Live texels moved",
-    "moved, but by resets", "Bias",   "ms a frame"};
+    "moved outside resets", "Bias",   "ms a frame"};
 
 std::vector<std::string> summaryCells(const BenchSummary& s) {
   return {formatCount(static_cast<double>(s.oomFrames)),

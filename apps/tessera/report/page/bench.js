@@ -41,8 +41,9 @@ function areaChart(parent, run, megapixels) {
   return new Chart(canvas, {type: 'line', data: {labels, datasets}, options});
 }
 
-function linesChart(parent, runs, key, title, unit) {
+function linesChart(parent, runs, key, title, unit, scale) {
   const {options, labels} = frameOptions(runs[0][key].length);
+  options.scales.y.type = scale;
   const datasets = runs.map((run, index) => ({
     label: run.name,
     data: run[key],
@@ -63,8 +64,8 @@ function paint() {
     const parent = section.querySelector('.charts');
     parent.replaceChildren();
     drawnCharts.push(...runs.map(run => areaChart(parent, run, megapixels)));
-    drawnCharts.push(linesChart(parent, runs, 'bias', 'Bias in force', 'log2 of area'));
-    drawnCharts.push(linesChart(parent, runs, 'ms', 'Level selection and allocation', 'ms'));
+    drawnCharts.push(linesChart(parent, runs, 'bias', 'Bias in force', 'log2 of area', 'linear'));
+    drawnCharts.push(linesChart(parent, runs, 'ms', 'Level selection and allocation', 'ms', 'logarithmic'));
   });
 }
 

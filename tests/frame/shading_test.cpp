@@ -32,6 +32,7 @@ struct Expected {
   double certain = 0.4;
   double certainInAtlas = 0.15;
   int reach = 0;            // half pixels on top of the above
+  int shadowSize = 1024;    // texels a side
   bool silhouettes = true;  // false: pixels beside nothing may have any colour
 };
 
@@ -42,7 +43,7 @@ void expectPictures(const test::Reference& reference, const Scene& scene, const 
   options.atlas.memory.width = 1024;
   options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
-  options.shadowSize = 1024;
+  options.shadowSize = expected.shadowSize;
   options.request.displayDeferred = true;
   auto made = Engine::create(test::context(), scene, test::stageOf(lighting), options);
   ASSERT_TRUE(made) << made.error().message;
@@ -128,6 +129,23 @@ TEST_F(Shading, BothSidesOfAWallAreLitFromTheirOwnSide) {
       else
         EXPECT_EQ(brightest, 0.0f);
     }
+}
+
+TEST_F(Shading, WallsBeforeAndBehindTheEyeShowTheirSides) {
+  Scene scene = test::emptyScene();
+  Material material = dull({0.8f, 0.5f, 0.3f});
+  material.doubleSided = true;
+  const auto index = test::addMaterial(scene, material);
+  test::place(scene, addWall(scene, index, {-1, -1, -3}));
+  test::place(scene, addWall(scene, index, {-1, -1, 3}));
+  test::finish(scene);
+  Lighting lighting;
+  lighting.lights.push_back(directional({0.2, -0.4, -1.0}, {3.0f, 2.5f, 2.0f}));
+  lighting.ambient = {glm::vec3(0.1f), glm::vec3(0.1f)};
+  for (const double z : {-3.0, 3.0}) {
+    SCOPED_TRACE(::testing::Message() << "the wall at z " << z);
+    expectReference(scene, lighting, lookAt({0.1, 0.2, 0}, {0, 0, z}, 50.0, kWidth, kHeight, 0.05));
+  }
 }
 
 TEST_F(Shading, HalvesOfAPatchAreSeenFromDifferentSides) {
@@ -400,12 +418,14 @@ TEST_F(Shading, NoLightLeavesAClosedBox) {
   lighting.lights.push_back(point({0.1, 0.05, -0.07}, glm::vec3(200.0f)));
   lighting.lights[0].castsShadow = true;
   lighting.ambient = {glm::vec3(0.2f), glm::vec3(0.2f)};
+  // A coarse map: what leaks at the seams of its faces is as wide as its texels.
   for (const double x : {-1.0, 1.0})
     for (const double y : {-1.0, 1.0})
       for (const double z : {-1.0, 1.0}) {
         const glm::dvec3 corner(x, y, z);
         SCOPED_TRACE(::testing::Message() << "corner " << x << " " << y << " " << z);
-        expectReference(scene, lighting, lookAt(1.0 * corner, 3.0 * corner, 100.0, kWidth, kHeight, 0.05));
+        expectReference(scene, lighting, lookAt(1.0 * corner, 3.0 * corner, 100.0, kWidth, kHeight, 0.05),
+                        {.shadowSize = 128});
       }
 }
 
@@ -439,6 +459,46 @@ TEST_F(Shading, ShadowsOfSunAndSpotAreWhereTheyMustBe) {
   spot.lights[0].outerCone = 0.75f;
   spot.lights[0].castsShadow = true;
   expectReference(scene, spot, view, {.certain = 0.25, .reach = 1});
+}
+
+TEST_F(Shading, WhatLiesLowUnderANearLampCastsItsShadow) {
+  Scene scene = test::emptyScene();
+  const auto material = test::addMaterial(scene, dull({0.8f, 0.7f, 0.6f}));
+  test::place(scene, test::addGrid(scene, {-0.5f, 0, 0.5f}, {1, 0, 0}, {0, 0, -1}, 2, 2, material));
+  // Its front looks down: from above it is not there, but it casts.
+  test::place(scene,
+              test::addGrid(scene, {-0.15f, 0.035f, -0.15f}, {0.3f, 0, 0}, {0, 0, 0.3f}, 1, 1, material));
+  test::finish(scene);
+  Lighting lamp;
+  lamp.lights.push_back(point({0, 0.4, 0}, glm::vec3(0.5f)));
+  lamp.lights[0].castsShadow = true;
+  lamp.ambient = {glm::vec3(0.1f), glm::vec3(0.1f)};
+  // A texel is 3 cm at a metre, and 12 mm here: the offset from the floor must be less than the gap.
+  expectReference(scene, lamp, lookAt({0.05, 0.9, 0.3}, {0, 0, 0}, 50.0, kWidth, kHeight, 0.05),
+                  {.certain = 0.05, .certainInAtlas = 0.05, .reach = 6, .shadowSize = 64});
+}
+
+TEST_F(Shading, WhatLeavesTheShadowMapIsLit) {
+  Scene scene = test::emptyScene();
+  const auto material = test::addMaterial(scene, dull({0.8f, 0.7f, 0.6f}));
+  test::place(scene, test::addGrid(scene, {-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 4, 4, material));
+  test::finish(scene);
+  // The bounds are those at rest: what moves out of them lies past the map's end, or beside it.
+  test::place(scene, test::addGrid(scene, {2.1f, -9, 2}, {0.6f, 0, 0}, {0, 0, -4}, 1, 4, material));
+  test::place(scene, test::addGrid(scene, {2.9f, -9, 2}, {3.0f, 0, 0}, {0, 0, -4}, 3, 4, material));
+  Lighting sun;
+  sun.lights.push_back(directional({0.0, -1.0, 0.001}, glm::vec3(3.0f)));
+  sun.lights[0].castsShadow = true;
+  expectReference(scene, sun, lookAt({3.5, -3, 4}, {3.5, -9, 0}, 60.0, kWidth, kHeight, 0.05));
+
+  // A beam as long as the map is wide: its end covers the map's last texels, and nothing past them.
+  scene = test::emptyScene();
+  test::place(scene, test::addGrid(scene, {-2, 0, 0.1f}, {4, 0, 0}, {0, 0, -0.2f}, 1, 1));
+  test::finish(scene);
+  scene.materials[0] = dull({0.8f, 0.7f, 0.6f});
+  test::place(scene, test::addGrid(scene, {2.2f, -1, 0.1f}, {0.6f, 0, 0}, {0, 0, -0.2f}, 1, 1));
+  expectReference(scene, sun, lookAt({2.5, -0.4, 0.5}, {2.5, -1, 0}, 50.0, kWidth, kHeight, 0.05),
+                  {.shadowSize = 64});
 }
 
 }  // namespace

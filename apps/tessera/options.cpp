@@ -1,6 +1,7 @@
 #include "apps/tessera/options.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -46,6 +47,34 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       ->capture_default_str();
   command.add_flag("!--no-pressure-bias", choice.pressureBias,
                    "do not lower levels when the atlas gets full");
+  command
+      .add_option("--bias-floor", choice.biasFloor,
+                  "lowest bias that room to spare may lead to: 0 none, -2 up to four times the texels")
+      ->check(CLI::Range(-4.0, 0.0))
+      ->capture_default_str();
+  command.add_option("--strategy", choice.strategy, "memory strategy: S0 (the one to use), S1, S2, S3")
+      ->check(CLI::IsMember({"S0", "S1", "S2", "S3"}))
+      ->capture_default_str();
+  command.add_flag("!--no-merge", choice.merge, "do not merge free siblings");
+  const auto powerOfTwo = [](const std::string& text) {
+    const int value = std::atoi(text.c_str());
+    return value > 0 && (value & (value - 1)) == 0 ? std::string() : text + " is not a power of two";
+  };
+  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
+      ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
+      ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command.add_option("--largest-aspect", choice.largestAspect, "width to height of a block at most, 2 to 1024")
+      ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command.add_option("--high-water", choice.highWater, "share of the atlas in use beyond which it is reset")
+      ->check(CLI::Range(0.01, 1.0));
+  command
+      .add_option("--hysteresis", choice.hysteresis,
+                  "how far past the border, in log2, a block's ideal size must be; -1: none")
+      ->check(CLI::Range(-1.0, 2.0));
   command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
       ->check(CLI::IsMember({"srgb8", "rgba16f"}))
       ->capture_default_str();
@@ -104,6 +133,15 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   EngineOptions options;
   RectMemoryOptions& memory = options.atlas.memory;
   const double texels = choice.megapixels * 1048576.0;
+  const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
+  if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
+  if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
+  if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
+  if (choice.highWater > 0.0) memory.highWater = static_cast<float>(choice.highWater);
+  if (choice.hysteresis >= -1.0) memory.hysteresis = static_cast<float>(choice.hysteresis);
+  memory.strategy = static_cast<AtlasStrategy>(choice.strategy.back() - '0');
+  memory.merge = choice.merge;
+  memory.biasFloor = static_cast<float>(choice.biasFloor);
   const int superblock = 1 << memory.superblockLog2;
   memory.width = std::max(superblock, 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9)));
   memory.height =

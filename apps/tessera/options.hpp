@@ -37,6 +37,14 @@ struct AtlasChoice {
   double megapixels = 8.0;
   double bias = 0.0;
   bool pressureBias = true;
+  double biasFloor = 0.0;
+  std::string strategy = "S0";
+  bool merge = true;
+  int superblock = 0;        // texels a side; 0: the engine's default, as for what follows
+  int largestBlock = 0;      // texels a side
+  int largestAspect = 0;     // width to height
+  double highWater = 0.0;    // share of the atlas
+  double hysteresis = -2.0;  // log2; below -1: the default
   std::string format = "srgb8";
   double splitEdges = -1.0;  // negative: the engine's default
 };

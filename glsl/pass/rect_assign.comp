@@ -10,7 +10,9 @@ uint takeSlot(uint w, uint h, LevelState level, uint slot) {
   uint perSuperblockLog2 = 2u * atlas.config.superblockLog2 - w - h;
   uint number = place >> perSuperblockLog2;
   uint index = place & ((1u << perSuperblockLog2) - 1u);
-  uint superblock = number == 0u ? atlas.widths[w].sourceSuperblock : atlas.widths[w].firstPopped + number - 1u;
+  uint bin = binOf(atlas.config, w, h);
+  uint superblock = number == 0u ? atlas.bins[bin].sourceSuperblock
+                                 : superblockWords[atlas.bins[bin].firstPopped - (number - 1u)];
   return blockOrigin(atlas.config, superblock, index, w, h);
 }
 
@@ -29,13 +31,15 @@ void main() {
   uint origin;
   if (slot < level.slotCount) {
     origin = takeSlot(w, h, level, slot);
+    if (atlas.config.stacks == 0u)
+      atomicAdd(superblockWords[liveWord(superblockAt(atlas.config, origin))], 1u << (w + h));
   } else {
     int place = atomicAdd(atlas.levels[l].stackCount, -1) - 1;
     if (place >= 0) {
       origin = stackEntries[level.stackBase + uint(place)];
     } else {
       atomicAdd(atlas.levels[l].stackCount, 1);
-      atomicAdd(atlas.failures, 1u);
+      atomicAdd(atlas.events.failures, 1u);
       size = 0u;
       origin = recordOrigin(atlas.config, patchId);
     }

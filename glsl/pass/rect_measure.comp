@@ -67,9 +67,9 @@ void main() {
   if (i >= visibleCount) return;
   PatchMeasure measure = measureVisible(visibleIds[i]);
   measures[i] = measure;
-  uint texels = idealTexels(measure, atlas.config.constantBias, atlas.config.superblockLog2);
+  uint texels = idealTexels(measure, atlas.config.constantBias, atlas.config.range);
   uint part = gl_WorkGroupID.x % kIdealSums;
-  if (texels == 1u) {
+  if (texels == smallestTexels(atlas.config.range)) {
     atomicAdd(atlas.ideal[part].ones, 1u);
   } else {
     uint before = atomicAdd(atlas.ideal[part].low, texels);

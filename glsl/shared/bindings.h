@@ -13,6 +13,10 @@
 #define BIND_PATCHES 7         // PatchGeometry[]
 #define BIND_PATCH_INSTANCE 8  // uint[patch instances]: which InstanceGpu
 
+// Shader storage: the rectangular atlas (more below)
+#define BIND_ATLAS_SUPERBLOCKS 9 // uint[2 * superblocks]: the stack of free ones; texels live in each (without block stacks)
+#define BIND_ATLAS_MERGE 10      // uint[]: a bit for each pair of texels, see rect_merge.comp
+
 // Shader storage: the visible set
 #define BIND_VISIBLE 11      // uint count, then uint[] patch-instance ids
 #define BIND_VISIBLE_MARK 12 // uint[patch instances]: the frame in which it was last visible
@@ -20,7 +24,7 @@
 // Shader storage: the rectangular atlas
 #define BIND_PATCH_STATE 13   // PatchState[patch instances]
 #define BIND_ATLAS_STATE 14   // AtlasState: counters, bias, carried-over superblocks
-#define BIND_ATLAS_STACKS 15  // uint[]: entries of all block stacks and of the superblock stack
+#define BIND_ATLAS_STACKS 15  // uint[]: entries of all block stacks
 #define BIND_PATCH_MEASURE 16 // PatchMeasure[visible]
 #define BIND_ATLAS_LIVE 17    // uint count, then uint[] patch-instance ids that may hold a block
 

@@ -151,7 +151,7 @@ TEST_F(MeasurePass, IsTheSharedFormula) {
     std::uint64_t ideal = 0;
     std::uint32_t ones = 0;
     for (std::size_t i = 0; i < measures.size(); ++i) {
-      const glsl::uint texels = glsl::idealTexels(measures[i], 0.0f, 8);
+      const glsl::uint texels = glsl::idealTexels(measures[i], 0.0f, {0, 8, 10});
       ideal += texels;
       ones += texels == 1 ? 1 : 0;
       float rounding = 0.0f;  // relative, of the edges' lengths
@@ -271,6 +271,7 @@ TEST_F(MeasurePass, TheTargetIsCutByPressureAndGrowsBack) {
   options.targetShare = 0.5f;
   options.targetCut = 0.75f;
   options.targetGrowth = 1.125f;
+  options.quietFrames = 4;
   options.highWater = 0.4f;  // half the atlas is wanted, so each reset is followed by another till S fits
   RectMemory memory = make(options, scene.patchCount);
   const float largest = 0.5f * 512 * 512;
@@ -287,7 +288,8 @@ TEST_F(MeasurePass, TheTargetIsCutByPressureAndGrowsBack) {
   for (int i = 0; i < 40 && statistics.load > 0.4f; ++i) statistics = frame(scene.patchCount);
   EXPECT_LE(statistics.load, 0.4f) << "S was not cut far enough to pass under the mark";
   memory.reset();
-  float target = frame(10).target;
+  float target = statistics.target;
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(frame(10).target, target) << "grew in the quiet time";
   for (int i = 0; i < 3; ++i) {
     statistics = frame(10);
     EXPECT_FLOAT_EQ(statistics.target, std::fmin(largest, target * 1.125f));
@@ -371,50 +373,74 @@ TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
 #define EXPECT_LEVEL(member)                               \
   EXPECT_EQ(offsetOf(program, "atlas.levels[0]." #member), \
             static_cast<GLint>(offsetof(glsl::AtlasState, levels) + offsetof(glsl::LevelState, member)))
-#define EXPECT_WIDTH(member)                               \
-  EXPECT_EQ(offsetOf(program, "atlas.widths[0]." #member), \
-            static_cast<GLint>(offsetof(glsl::AtlasState, widths) + offsetof(glsl::WidthState, member)))
+#define EXPECT_BIN(member)                               \
+  EXPECT_EQ(offsetOf(program, "atlas.bins[0]." #member), \
+            static_cast<GLint>(offsetof(glsl::AtlasState, bins) + offsetof(glsl::BinState, member)))
   EXPECT_CONFIG(width);
   EXPECT_CONFIG(height);
   EXPECT_CONFIG(superblockLog2);
   EXPECT_CONFIG(superblocks);
   EXPECT_CONFIG(patchInstances);
   EXPECT_CONFIG(views);
-  EXPECT_CONFIG(pressure);
+  EXPECT_CONFIG(biased);
+  EXPECT_CONFIG(columns);
+  EXPECT_CONFIG(stacks);
+  EXPECT_CONFIG(merges);
+  EXPECT_CONFIG(mergeLoad);
   EXPECT_CONFIG(constantBias);
+  EXPECT_CONFIG(lowestBias);
   EXPECT_CONFIG(hysteresis);
-  EXPECT_CONFIG(highWater);
-  EXPECT_CONFIG(targetLargest);
-  EXPECT_CONFIG(targetSmallest);
-  EXPECT_CONFIG(targetCut);
-  EXPECT_CONFIG(targetGrowth);
+  EXPECT_CONFIG(range.smallest);
+  EXPECT_CONFIG(range.largest);
+  EXPECT_CONFIG(range.aspect);
+  EXPECT_CONFIG(pressure.highWater);
+  EXPECT_CONFIG(pressure.targetLargest);
+  EXPECT_CONFIG(pressure.targetSmallest);
+  EXPECT_CONFIG(pressure.targetCut);
+  EXPECT_CONFIG(pressure.targetGrowth);
+  EXPECT_CONFIG(pressure.quietFrames);
+  EXPECT_CONFIG(pressure.resets);
+  EXPECT_CONFIG(pressure.adapts);
   EXPECT_MEMBER(requestGroupsX);
   EXPECT_MEMBER(requestGroupsY);
   EXPECT_MEMBER(requestGroupsZ);
   EXPECT_MEMBER(epoch);
-  EXPECT_MEMBER(superblocksUsed);
+  EXPECT_MEMBER(mergeGroupsX);
+  EXPECT_MEMBER(mergeGroupsY);
+  EXPECT_MEMBER(mergeGroupsZ);
+  EXPECT_MEMBER(mergeHeight);
+  EXPECT_MEMBER(superblocksFree);
   EXPECT_MEMBER(pressureBias);
-  EXPECT_MEMBER(target);
   EXPECT_MEMBER(cutTexels);
-  EXPECT_MEMBER(failures);
+  EXPECT_MEMBER(pressure.target);
+  EXPECT_MEMBER(pressure.quiet);
+  EXPECT_MEMBER(pressure.sinceReset);
+  EXPECT_MEMBER(pressure.sinceCut);
+  EXPECT_MEMBER(pressure.wait);
+  EXPECT_MEMBER(pressure.pending);
+  EXPECT_MEMBER(pressure.reset);
+  EXPECT_MEMBER(events.failures);
+  EXPECT_MEMBER(events.moved);
+  EXPECT_MEMBER(events.movedTexels);
+  EXPECT_MEMBER(events.freed);
+  EXPECT_MEMBER(events.merged);
   EXPECT_MEMBER(visible);
   EXPECT_MEMBER(resets);
   EXPECT_MEMBER(frames);
-  EXPECT_MEMBER(sinceReset);
-  EXPECT_MEMBER(resetWait);
   EXPECT_LEVEL(stackCount);
   EXPECT_LEVEL(requested);
   EXPECT_LEVEL(slotOffset);
   EXPECT_LEVEL(slotCount);
   EXPECT_LEVEL(existing);
+  EXPECT_LEVEL(lost);
   EXPECT_LEVEL(stackBase);
   EXPECT_LEVEL(stackCapacity);
   EXPECT_LEVEL(lastRequested);
-  EXPECT_WIDTH(carryOffset);
-  EXPECT_WIDTH(carrySuperblock);
-  EXPECT_WIDTH(firstPopped);
-  EXPECT_WIDTH(popped);
-  EXPECT_WIDTH(sourceSuperblock);
+  EXPECT_BIN(carryOffset);
+  EXPECT_BIN(carrySuperblock);
+  EXPECT_BIN(firstPopped);
+  EXPECT_BIN(popped);
+  EXPECT_BIN(sourceSuperblock);
   EXPECT_EQ(offsetOf(program, "atlas.ideal[0].ones"),
             static_cast<GLint>(offsetof(glsl::AtlasState, ideal) + offsetof(glsl::IdealSum, ones)));
   EXPECT_EQ(offsetOf(program, "atlas.ideal[1].low"),

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -50,8 +51,27 @@ inline std::vector<Scenario> scenarios() {
   };
 }
 
-inline std::string scenarioName(const ::testing::TestParamInfo<Scenario>& test) {
-  std::string name = test.param.name;
+/// A strategy under test: see AtlasStrategy and RectMemoryOptions::merge.
+struct Mode {
+  std::string name;
+  bool columns = true;
+  bool stacks = true;
+  bool merge = false;
+};
+
+inline void PrintTo(const Mode& mode, std::ostream* out) { *out << mode.name; }
+
+inline std::vector<Mode> modes() {
+  return {{.name = "S0"},
+          {.name = "S0 merging", .merge = true},
+          {.name = "S1", .columns = false},
+          {.name = "S2", .columns = false, .stacks = false}};
+}
+
+using FrameCase = std::tuple<Scenario, Mode>;
+
+inline std::string caseName(const ::testing::TestParamInfo<FrameCase>& test) {
+  std::string name = std::get<Scenario>(test.param).name + " " + std::get<Mode>(test.param).name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }

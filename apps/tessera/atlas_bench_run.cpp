@@ -97,6 +97,7 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
     figures.made = statistics.blocksMade;
     figures.freed = statistics.blocksFreed;
     figures.failures = statistics.failures;
+    figures.reduced = statistics.blocksReduced;
     figures.bias = static_cast<double>(statistics.bias);
     figures.target = static_cast<double>(statistics.target);
     run.frames.push_back(figures);
@@ -129,6 +130,7 @@ Result<BenchRun> runQuadtree(const RequestStream& stream, const glsl::AtlasConfi
     figures.made = atlas.blocksMade();
     figures.freed = atlas.blocksFreed();
     figures.failures = atlas.failures();
+    figures.reduced = atlas.blocksReduced();
     figures.bias = static_cast<double>(config.constantBias + atlas.pressureBias());
     figures.target = static_cast<double>(atlas.target());
     run.frames.push_back(figures);

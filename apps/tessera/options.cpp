@@ -66,7 +66,8 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
-  command.add_option("--largest-aspect", choice.largestAspect, "width to height of a block at most, 2 to 1024")
+  command
+      .add_option("--largest-aspect", choice.largestAspect, "width to height of a block at most, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
   command.add_option("--high-water", choice.highWater, "share of the atlas in use beyond which it is reset")

@@ -1,5 +1,6 @@
 #include "atlas/rect/quadtree_atlas.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace tessera {
@@ -33,8 +34,9 @@ void QuadtreeAtlas::frame(std::span<const std::uint32_t> patches,
   assert(patches.size() == measures.size());
   const float load = static_cast<float>(config_.width) * static_cast<float>(config_.height) -
                      static_cast<float>(allocator_.rootTexels());
-  pressure_ = glsl::stepPressure(pressure_, config_.pressure, failures_ > 0,
-                                 load, false, false);
+  const float live = config_.merges != 0 ? static_cast<float>(allocator_.liveTexels()) : 0.0f;
+  pressure_ = glsl::stepPressure(pressure_, config_.pressure, failures_ + reduced_ > 0, load, live,
+                                 bias_ > config_.lowestBias, false, false);
   if (pressure_.reset != 0) {
     ++epoch_;
     allocator_.reset();
@@ -44,7 +46,7 @@ void QuadtreeAtlas::frame(std::span<const std::uint32_t> patches,
                     static_cast<glsl::uint>(ideal.scalable), static_cast<glsl::uint>(ideal.scalable >> 32U),
                     ideal.least * glsl::smallestTexels(config_.range), pressure_.target, config_.lowestBias)
               : 0.0f;
-  failures_ = made_ = freed_ = 0;
+  failures_ = reduced_ = made_ = freed_ = 0;
   ++number_;
   pending_.clear();
   asked_.fill(0);
@@ -103,7 +105,19 @@ void QuadtreeAtlas::assign() {
     sorted_[asked_[glsl::levelIndexOf(states_[patch].level)]++] = patch;
   for (const std::uint32_t patch : sorted_) {
     glsl::PatchState& state = states_[patch];
-    const auto block = allocator_.allocate(glsl::levelWidth(state.level), glsl::levelHeight(state.level));
+    glsl::uint w = glsl::levelWidth(state.level);
+    glsl::uint h = glsl::levelHeight(state.level);
+    auto block = allocator_.allocate(w, h);
+    if (!block && config_.merges != 0) {
+      // As rect_assign.comp does: half the width and height is a better picture than a texel.
+      while (!block && (w > 1 || h > 0)) {
+        w = std::max(w - 1, 1u);
+        h -= std::min(h, 1u);
+        block = allocator_.allocate(w, h);
+      }
+      reduced_ += block ? 1 : 0;
+      state.level = glsl::packLevel(w, h, glsl::levelTransposed(state.level));
+    }
     if (block) {
       state.origin = glsl::packOrigin(block->x, block->y);
       ++made_;

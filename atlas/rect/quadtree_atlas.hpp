@@ -34,6 +34,8 @@ class QuadtreeAtlas {
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   [[nodiscard]] std::uint32_t resets() const { return epoch_ - 1; }
   [[nodiscard]] std::uint32_t failures() const { return failures_; }
+  /// Requests that got a smaller block than asked for, for want of memory.
+  [[nodiscard]] std::uint32_t blocksReduced() const { return reduced_; }
   [[nodiscard]] std::uint32_t blocksMade() const { return made_; }
   [[nodiscard]] std::uint32_t blocksFreed() const { return freed_; }
   [[nodiscard]] float pressureBias() const { return bias_; }
@@ -51,6 +53,7 @@ class QuadtreeAtlas {
   std::uint32_t epoch_ = 1;
   std::uint32_t number_ = 0;
   std::uint32_t failures_ = 0;
+  std::uint32_t reduced_ = 0;
   std::uint32_t made_ = 0;
   std::uint32_t freed_ = 0;  // without another one being asked for
   float bias_ = 0.0f;

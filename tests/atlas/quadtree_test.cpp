@@ -133,6 +133,8 @@ glsl::AtlasConfig configOf(const Scenario& scenario) {
   config.hysteresis = -1.0f;
   config.range = {0, scenario.superblockLog2, glsl::kMaxBlockLog2};
   config.pressure.highWater = 1e9f;
+  config.pressure.softWater = 1e9f;
+  config.pressure.targetStart = 1e9f;
   config.pressure.targetLargest = 1e9f;
   config.pressure.targetSmallest = 1.0f;
   return config;
@@ -284,7 +286,16 @@ TEST(QuadtreeAtlas, BiasResetsAndHysteresisAreTheSharedOnes) {
   config.biased = 1;
   config.lowestBias = -2.0f;
   config.hysteresis = 0.25f;
-  config.pressure = {3000.0f, 2048.0f, 512.0f, 0.5f, 1.0f, 100, 1, 1};
+  config.pressure = {.highWater = 3000.0f,
+                     .softWater = 1e9f,
+                     .targetStart = 2048.0f,
+                     .targetLargest = 2048.0f,
+                     .targetSmallest = 512.0f,
+                     .targetCut = 0.5f,
+                     .targetGrowth = 1.0f,
+                     .quietFrames = 100,
+                     .resets = 1,
+                     .adapts = 1};
   QuadtreeAtlas atlas(config);
   std::vector<std::uint32_t> patches;
   std::vector<glsl::PatchMeasure> measures;
@@ -334,6 +345,26 @@ TEST(QuadtreeAtlas, BiasResetsAndHysteresisAreTheSharedOnes) {
   EXPECT_EQ(cut.allocator().liveTexels(), 96u);
   cut.frame(std::span(patches).first(3), halves, sumIdeal(config, halves));
   EXPECT_EQ(cut.resets(), 1u);
+}
+
+TEST(QuadtreeAtlas, SmallerBlocksForWantOfMemory) {
+  glsl::AtlasConfig config = configOf({.name = "", .width = 16, .height = 16, .patches = 10});
+  config.merges = 1;
+  QuadtreeAtlas atlas(config);  // 4 roots of 8 x 8
+  // Three roots whole; of the fourth a 4 x 2, and so three squares of 4 and a half of one are free.
+  feed(atlas, config, {{0, 3, 3}, {1, 3, 3}, {2, 3, 3}, {3, 2, 1}});
+  EXPECT_EQ(atlas.failures() + atlas.blocksReduced(), 0u);
+  // Four more of 8 x 8: three come down to 4 x 4, and nothing down to 2 x 1 is left for the last, as a row is
+  // not cut into columns.
+  feed(atlas, config,
+       {{0, 3, 3}, {1, 3, 3}, {2, 3, 3}, {3, 2, 1}, {4, 3, 3}, {5, 3, 3}, {6, 3, 3}, {7, 3, 3}});
+  EXPECT_EQ(atlas.blocksReduced(), 3u);
+  EXPECT_EQ(atlas.failures(), 1u);
+  EXPECT_EQ(atlas.patchStates()[4].level, glsl::packLevel(2, 2, false));
+  EXPECT_EQ(atlas.patchStates()[7].level, 0u);
+  EXPECT_EQ(atlas.allocator().liveTexels(), 3u * 64u + 8u + 3u * 16u);
+  const auto partition = checkPartition(atlas.allocator().snapshot());
+  EXPECT_TRUE(partition) << partition.error().message;
 }
 
 TEST(PlaceTracker, CountsAsWorkedByHand) {

@@ -21,6 +21,7 @@ BenchFrame frame(double live, double failures, bool reset, double ms) {
   f.free = 1000.0 - 175.0 - live;
   f.made = 7.0;
   f.failures = failures;
+  f.reduced = 2.0;
   f.stayed = reset ? 0.0 : 10.0;
   f.kept = reset ? 0.0 : 9.0;
   f.movedTexels = reset ? live : 0.1 * live;
@@ -64,6 +65,7 @@ TEST(BenchReport, SummaryAsWorkedByHand) {
   EXPECT_EQ(s.frames, 4u);
   EXPECT_EQ(s.oomFrames, 2u);
   EXPECT_EQ(s.failures, 4.0);
+  EXPECT_EQ(s.reduced, 8.0);
   EXPECT_EQ(s.resets, 1u);
   EXPECT_DOUBLE_EQ(s.liveShare, 0.5);
   EXPECT_DOUBLE_EQ(s.keptPlace, 0.9);
@@ -138,7 +140,7 @@ TEST(BenchReport, PageStandsAloneAndEscapes) {
   EXPECT_NE(own.find("<td>80.0</td><td>2.00</td><td>40 ×</td><td>200</td><td>0.50 %</td>"),
             std::string::npos);
   // S0's row.
-  EXPECT_NE(own.find("<th scope=\"row\">S0</th><td>2</td><td>1</td><td>50.0 %</td><td>90.00 %</td>"
+  EXPECT_NE(own.find("<th scope=\"row\">S0</th><td>2</td><td>8</td><td>1</td><td>50.0 %</td><td>90.00 %</td>"
                      "<td>37.00 %</td><td>10.00 %</td><td>0.50</td>"),
             std::string::npos);
   const std::string open = "<script type=\"application/json\" id=\"data\">";

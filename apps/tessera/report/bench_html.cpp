@@ -29,11 +29,12 @@ std::string row(const std::string& head, const std::vector<std::string>& cells) 
 }
 
 const std::vector<std::string> kSummaryHead = {
-    "Frames out of memory", "Resets", "Live, of the atlas", "Kept their place", "Live texels moved",
-    "moved outside resets", "Bias",   "ms a frame"};
+    "Frames out of memory", "Blocks reduced",       "Resets", "Live, of the atlas", "Kept their place",
+    "Live texels moved",    "moved outside resets", "Bias",   "ms a frame"};
 
 std::vector<std::string> summaryCells(const BenchSummary& s) {
   return {formatCount(static_cast<double>(s.oomFrames)),
+          formatCount(s.reduced),
           formatCount(static_cast<double>(s.resets)),
           percent(s.liveShare, 1),
           percent(s.keptPlace, 2),

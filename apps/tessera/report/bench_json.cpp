@@ -13,6 +13,7 @@ Json summaryJson(const std::string& name, const BenchSummary& s) {
   return {{"name", name},
           {"oom_frames", s.oomFrames},
           {"failed_requests", s.failures},
+          {"reduced_requests", s.reduced},
           {"resets", s.resets},
           {"live_share", number(s.liveShare)},
           {"kept_place", number(s.keptPlace)},
@@ -94,6 +95,7 @@ BenchSummary overScenes(const std::vector<BenchSummary>& all) {
     over.frames += one.frames;
     over.oomFrames += one.oomFrames;
     over.failures += one.failures;
+    over.reduced += one.reduced;
     over.resets += one.resets;
     over.ms.count += one.ms.count;
   }

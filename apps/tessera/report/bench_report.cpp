@@ -17,6 +17,7 @@ BenchSummary summarize(const BenchRun& run) {
   for (const BenchFrame& frame : run.frames) {
     summary.oomFrames += frame.failures > 0.0 ? 1 : 0;
     summary.failures += frame.failures;
+    summary.reduced += frame.reduced;
     summary.resets += frame.reset ? 1 : 0;
     liveShare += frame.live / (frame.live + frame.end + frame.stack + frame.inaccessible + frame.free);
     stayed += frame.stayed;

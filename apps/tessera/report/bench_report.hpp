@@ -22,6 +22,7 @@ struct BenchFrame {
   double moved = 0.0;         // blocks whose patch had another one in the last frame
   double freed = 0.0;         // blocks
   double failures = 0.0;      // requests without memory
+  double reduced = 0.0;       // requests that got a smaller block than asked for, for want of memory
   double movedTexels = 0.0;   // of live blocks whose patch had a block elsewhere in the last frame
   double stayed = 0.0;        // patches that were and are visible, with a block of one level, without a reset
   double kept = 0.0;          // of those, the ones at the same place
@@ -42,6 +43,7 @@ struct BenchSummary {
   std::size_t frames = 0;
   std::size_t oomFrames = 0;  // with at least one request without memory
   double failures = 0.0;      // over all frames
+  double reduced = 0.0;       // over all frames
   std::size_t resets = 0;
   double liveShare = kNotMeasured;   // mean over the frames, of the atlas
   double keptPlace = kNotMeasured;   // of patch-frames of patches that stay at their level, outside resets

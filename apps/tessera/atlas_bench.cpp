@@ -78,7 +78,7 @@ Result<std::vector<BenchVariant>> sweep(gl::Context& context, gl::ProgramCache& 
       return fail("superblocks of {}, blocks of {} to {}, aspect {}: {}", result.superblock, result.smallest,
                   result.largest, result.aspect, run.error().message);
     result.summary = summarize(*run);
-    results.push_back(std::move(result));
+    results.push_back(result);
   }
   return results;
 }

@@ -102,7 +102,7 @@ std::optional<AtlasBlock> QuadtreeAllocator::allocate(std::uint32_t w, std::uint
   return AtlasBlock{x, y, w, h};
 }
 
-void QuadtreeAllocator::free(const AtlasBlock& block) {
+void QuadtreeAllocator::release(const AtlasBlock& block) {
   auto [x, y, w, h] = block;
   assert(tags_[cellOf(x, y)] == (tagOf(w, h) | kUsed));
   live_ -= std::uint64_t{1} << (w + h);

@@ -23,7 +23,7 @@ class QuadtreeAllocator {
   /// when there is none. Constant time, and no memory is taken.
   std::optional<AtlasBlock> allocate(std::uint32_t w, std::uint32_t h);
   /// Gives back what allocate() returned.
-  void free(const AtlasBlock& block);
+  void release(const AtlasBlock& block);
   /// Frees everything.
   void reset();
 

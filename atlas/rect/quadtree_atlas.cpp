@@ -65,7 +65,7 @@ void QuadtreeAtlas::frame(std::span<const std::uint32_t> patches,
 
 void QuadtreeAtlas::release(glsl::PatchState& state) {
   const glsl::uvec2 at = glsl::unpackOrigin(state.origin);
-  allocator_.free({at.x, at.y, glsl::levelWidth(state.level), glsl::levelHeight(state.level)});
+  allocator_.release({at.x, at.y, glsl::levelWidth(state.level), glsl::levelHeight(state.level)});
 }
 
 void QuadtreeAtlas::request(std::uint32_t patch, const glsl::PatchMeasure& measure) {

@@ -51,10 +51,10 @@ TEST(Quadtree, SplitsAsWorkedByHand) {
   EXPECT_FALSE(allocator.allocate(3, 3));
   EXPECT_FALSE(allocator.allocate(3, 0));
   // All given back is one root again.
-  allocator.free({0, 2, 2, 1});
-  allocator.free({0, 0, 2, 0});
+  allocator.release({0, 2, 2, 1});
+  allocator.release({0, 0, 2, 0});
   EXPECT_TRUE(allocator.snapshot().freeSuperblocks.empty());
-  allocator.free({0, 1, 2, 0});
+  allocator.release({0, 1, 2, 0});
   EXPECT_EQ(allocator.snapshot().freeSuperblocks.size(), 1u);
   EXPECT_EQ(allocator.allocate(3, 3), (AtlasBlock{0, 0, 3, 3}));
 }
@@ -101,7 +101,7 @@ TEST(Quadtree, RandomWorkKeepsTheAtlasWhole) {
       held.push_back(*block);
     } else {
       const std::size_t i = random() % held.size();
-      allocator.free(held[i]);
+      allocator.release(held[i]);
       held[i] = held.back();
       held.pop_back();
     }
@@ -117,7 +117,7 @@ TEST(Quadtree, RandomWorkKeepsTheAtlasWhole) {
     if (HasFailure()) FAIL() << "in step " << step;
   }
   EXPECT_GT(refused, 100u);
-  for (const AtlasBlock& block : held) allocator.free(block);
+  for (const AtlasBlock& block : held) allocator.release(block);
   EXPECT_EQ(allocator.rootTexels(), 128u * 96u);
 }
 

@@ -58,9 +58,9 @@ RequestStream streamOf(const std::vector<RequestFrame>& frames, const RequestHea
 }
 
 bool same(const RequestFrame& a, const RequestFrame& b) {
-  return a.patches == b.patches && a.measures.size() == b.measures.size() &&
-         std::memcmp(a.measures.data(), b.measures.data(), a.measures.size() * sizeof(glsl::PatchMeasure)) ==
-             0 &&
+  const auto bits = [](const glsl::PatchMeasure& m) { return std::bit_cast<std::uint64_t>(m); };
+  return a.patches == b.patches &&
+         std::ranges::equal(a.measures, b.measures, std::ranges::equal_to{}, bits, bits) &&
          std::bit_cast<std::uint32_t>(a.frameMs) == std::bit_cast<std::uint32_t>(b.frameMs) &&
          std::bit_cast<std::uint32_t>(a.memoryMs) == std::bit_cast<std::uint32_t>(b.memoryMs);
 }
@@ -150,6 +150,9 @@ TEST(RequestStream, NamesWhatIsWrongInAFile) {
             std::string::npos);
   EXPECT_NE(errorOf(with<std::uint32_t>(good, kAtPatches, 10)).find("visible patches of 10"),
             std::string::npos);
+  // Enough instances for the count, too few for the ids.
+  EXPECT_NE(errorOf(with<std::uint32_t>(good, kAtPatches, 400)).find("of 400"), std::string::npos);
+  EXPECT_NE(errorOf(with<std::uint32_t>(good, kAtPatches, 400)).find("is instance 4"), std::string::npos);
   EXPECT_NE(errorOf(with<double>(good, kAtFps, 0.0)).find("0 frames a second"), std::string::npos);
   EXPECT_NE(errorOf(with<std::uint32_t>(good, kAtFrames, 0x10000000u)).find("268435456 frames do not fit"),
             std::string::npos);

@@ -157,7 +157,7 @@ TEST_P(GpuFrames, InvariantsHoldAndCountersAreTheTwins) {
   std::uint64_t failures = 0;
   int compared = 0;
   bool same = counted;  // once a request failed, who holds blocks depends on the order of threads
-  const int frames = scenario.patches > 5000 ? 150 : 600;
+  const int frames = test::framesOf(scenario, 800, 6000);
   for (int frame = 0; frame < frames; ++frame) {
     if (frame % 61 == 60 || (counted && !same && frame % 5 == 0)) feed.memory.reset();
     const Wants wants = stream.next();

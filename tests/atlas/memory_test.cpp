@@ -157,7 +157,7 @@ TEST_P(GpuFrames, InvariantsHoldAndCountersAreTheTwins) {
   std::uint64_t failures = 0;
   int compared = 0;
   bool same = counted;  // once a request failed, who holds blocks depends on the order of threads
-  const int frames = scenario.patches > 5000 ? 150 : 600;
+  const int frames = test::framesOf(scenario, 800, 6000);
   for (int frame = 0; frame < frames; ++frame) {
     if (frame % 61 == 60 || (counted && !same && frame % 5 == 0)) feed.memory.reset();
     const Wants wants = stream.next();
@@ -475,9 +475,59 @@ TEST_F(Memory, MergingGivesSuperblocksBackAndCutsThemForOthers) {
   EXPECT_EQ(whole.memory.readStatistics().failures, 1000u) << "without cutting none of them fits";
 }
 
+TEST_F(Memory, ASmallerBlockKeepsTheShape) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
+  Wants wants = wantAll(63, 3, 3);
+  for (std::uint32_t i = 100; i < 102; ++i) wants.push_back({i, 2, 1});
+  for (std::uint32_t i = 102; i < 104; ++i) wants.push_back({i, 2, 0});
+  feed.frame(wants);
+  wants.resize(63);
+  wants.push_back({110, 3, 2});  // free are blocks of 4 x 2 and of 4 x 1, and no superblock
+  feed.frame(wants);
+  EXPECT_EQ(feed.states()[110].level & glsl::kLevelSize, glsl::packLevel(2, 1, false));
+}
+
+TEST_F(Memory, AResetForgetsWhatWasLiveInSuperblocks) {
+  Feed feed(optionsOf({}, {.name = "S2", .columns = false, .stacks = false}), 100);
+  feed.frame(wantAll(20, 3, 3));
+  feed.memory.reset();
+  feed.frame(wantAll(20, 3, 3));
+  feed.frame({});
+  EXPECT_EQ(feed.memory.readStatistics().freeSuperblocks, 63u) << "all but the one that is being filled";
+}
+
+TEST_F(Memory, BlocksThatAreAskedForAreNotCut) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
+  feed.frame(wantAll(64, 3, 3));
+  Wants wants = wantAll(63, 3, 3);
+  wants.push_back({100, 3, 3});
+  for (std::uint32_t i = 101; i < 105; ++i) wants.push_back({i, 2, 2});
+  feed.frame(wants);
+  // One block came free: it is for the patch that wants all of it, not for the four that want a quarter.
+  EXPECT_EQ(feed.states()[100].level & glsl::kLevelSize, glsl::packLevel(3, 3, false));
+  EXPECT_EQ(feed.memory.readStatistics().failures, 4u);
+}
+
+TEST_F(Memory, NothingIsCutThatItsStackCannotHold) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);
+  feed.frame(wantAll(1, 3, 3));
+  glsl::AtlasState state = feed.memory.readState();
+  const glsl::uint quarter = glsl::levelIndex(2, 2);
+  state.levels[quarter].stackCapacity = 3;
+  feed.memory.stateBuffer().writeValue(state);
+  Wants wants;
+  for (std::uint32_t i = 100; i < 104; ++i) wants.push_back({i, 2, 2});
+  feed.frame(wants);
+  state = feed.memory.readState();
+  EXPECT_EQ(state.levels[quarter].existing, 2u) << "one less than the stack holds, from a superblock";
+  EXPECT_EQ(state.events.failures, 2u);
+  EXPECT_EQ(state.levels[glsl::levelIndex(3, 3)].stackCount, 1);
+  EXPECT_TRUE(checkPartition(feed.memory.readSnapshot()));
+}
+
 TEST_F(Memory, WantOfMemoryGivesASmallerBlock) {
   Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
-  feed.frame(wantAll(20, 1, 0));  // one superblock
+  feed.frame(wantAll(20, 1, 0));                                      // one superblock
   Wants wants = wantAll(63, 3, 3);
   for (std::uint32_t i = 100; i < 104; ++i) wants.push_back({i, 2, 2});
   feed.frame(wants);

@@ -84,8 +84,10 @@ class RectMemory {
   // which the caller has bound. `dispatch` holds the groups of RECT_GROUP over the visible list as uvec3 at
   // offset 0. `frame` is the value that the marks of visible patches have.
 
-  /// The ideal size of every visible patch, over `viewCount` views, 1 to RECT_VIEWS.
-  void measure(const gl::Buffer& dispatch, std::uint32_t frame, std::uint32_t viewCount);
+  /// The ideal size of every visible patch, over `viewCount` views, 1 to RECT_VIEWS. `program` is another
+  /// permutation of pass/rect_measure.comp, or null for the plain one.
+  void measure(const gl::Buffer& dispatch, std::uint32_t frame, std::uint32_t viewCount,
+               const gl::Program* program = nullptr);
   /// Level selection and the three phases. Afterwards each visible patch's PatchState says where it lives.
   void allocate(const gl::Buffer& dispatch, std::uint32_t frame);
   /// Binds what later passes read: patch states and atlas state.

@@ -46,12 +46,14 @@
 #define BIND_LIGHTS 2    // LightGpu[kMaxLights]
 #define BIND_SHADOWS 3   // ShadowGpu[kMaxShadowLayers]
 #define BIND_MATERIAL 4  // one MaterialGpu
-#define BIND_UNIFORM_COUNT 5
+#define BIND_DENSITY 5   // DensityGpu[views], with foveation or a lens only
+#define BIND_UNIFORM_COUNT 6
 
 // Texture units
 #define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu
 #define UNIT_SHADOW 5
 #define UNIT_ATLAS 6
+#define UNIT_PICTURE 6   // no pass reads both
 #define UNIT_ID 7
 #define UNIT_DEPTH 8
 #define UNIT_COUNT 9
@@ -62,5 +64,7 @@
 #define LOCATION_SIZE 3
 #define LOCATION_FRAME 4
 #define LOCATION_BACKGROUND 5
+#define LOCATION_LENS 6
+#define LOCATION_CHANNELS 7
 
 #endif

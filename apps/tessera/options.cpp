@@ -84,6 +84,20 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       ->check(CLI::Range(0.0, 1.0));
 }
 
+void addSpatial(CLI::App& command, SpatialChoice& choice) {
+  command
+      .add_option("--foveate", choice.foveate,
+                  "shade less where the eye resolves less; x,y looked at as a share of the picture from its "
+                  "top left, else its middle")
+      ->expected(0, 1);
+  command.add_option("--gaze", choice.gaze,
+                     "foveate by a JSON file of places over time: [{time, x, y}, ...]");
+  command
+      .add_option("--lens", choice.lens,
+                  "draw through a lens, and shade less where it presses together; k1,k2, else 0.22,0.24")
+      ->expected(0, 1);
+}
+
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice) {
   if (choice.name == "osmesa") return gl::Context::createOsMesa();
   if (choice.name == "egl") return gl::Context::createEgl();
@@ -137,6 +151,56 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
+}
+
+namespace {
+
+/// "a,b" as two numbers.
+Result<glm::dvec2> parsePair(const char* option, const std::string& text) {
+  glm::dvec2 pair(0.0);
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, pair.x);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == ',') {
+    const auto second = std::from_chars(first.ptr + 1, end, pair.y);
+    if (second.ec == std::errc() && second.ptr == end) return pair;
+  }
+  return fail("{} {}: not two numbers with a comma between", option, text);
+}
+
+}  // namespace
+
+PlaceOptions SpatialReuse::at(double time) const {
+  PlaceOptions now = options;
+  if (!gaze.empty()) now.foveation->gaze = sampleGaze(gaze, time);
+  return now;
+}
+
+Result<SpatialReuse> spatialOf(const SpatialChoice& choice) {
+  SpatialReuse reuse;
+  if (choice.foveate || !choice.gaze.empty()) reuse.options.foveation.emplace();
+  if (choice.foveate && !choice.foveate->empty()) {
+    if (!choice.gaze.empty()) return fail("--foveate {} and --gaze exclude each other", *choice.foveate);
+    auto place = parsePair("--foveate", *choice.foveate);
+    if (!place) return tl::unexpected(place.error());
+    reuse.options.foveation->gaze = *place;
+  }
+  if (!choice.gaze.empty()) {
+    auto gaze = loadGaze(choice.gaze);
+    if (!gaze) return tl::unexpected(gaze.error());
+    reuse.gaze = std::move(*gaze);
+  }
+  if (choice.lens) reuse.options.lens.emplace();
+  if (choice.lens && !choice.lens->empty()) {
+    auto numbers = parsePair("--lens", *choice.lens);
+    if (!numbers) return tl::unexpected(numbers.error());
+    reuse.options.lens->k1 = numbers->x;
+    reuse.options.lens->k2 = numbers->y;
+  }
+  if (reuse.options.foveation)
+    if (auto good = check(*reuse.options.foveation); !good) return tl::unexpected(good.error());
+  if (reuse.options.lens)
+    if (auto good = check(*reuse.options.lens); !good) return tl::unexpected(good.error());
+  return reuse;
 }
 
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice) {

@@ -49,11 +49,18 @@ struct AtlasChoice {
   double splitEdges = -1.0;  // negative: the engine's default
 };
 
+struct SpatialChoice {
+  std::optional<std::string> foveate;  // empty, or "x,y"
+  std::string gaze;                    // file
+  std::optional<std::string> lens;     // empty, or "k1,k2"
+};
+
 void addContext(CLI::App& command, ContextChoice& choice);
 void addSize(CLI::App& command, SizeChoice& choice);
 void addCamera(CLI::App& command, CameraChoice& choice);
 void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
+void addSpatial(CLI::App& command, SpatialChoice& choice);
 
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
@@ -66,6 +73,15 @@ std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& s
 /// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the
 /// installed.
 std::filesystem::path assetsFolder();
+
+/// Foveation and lens of a run.
+struct SpatialReuse {
+  PlaceOptions options;
+  std::vector<GazeKey> gaze;  // empty: options.foveation has the one place
+  /// What place() takes at a time, seconds.
+  [[nodiscard]] PlaceOptions at(double time) const;
+};
+Result<SpatialReuse> spatialOf(const SpatialChoice& choice);
 
 /// The views of a run, one a frame, with their times in seconds.
 struct TimedView {

@@ -46,8 +46,9 @@ double lensFill(const Lens& lens);
 
 /// What levels follow beside the views' distances. Absent is off, and costs nothing.
 struct PlaceOptions {
-  std::optional<Foveation> foveation;  // the gaze is a place in each view's own picture, before any lens
-  std::optional<Lens> lens;
+  std::optional<Foveation> foveation =
+      std::nullopt;  // the gaze is a place in each view's own picture, before any lens
+  std::optional<Lens> lens = std::nullopt;
 };
 
 /// A view from an eye towards a target. `up` is +y, or -z when looking straight up or down.

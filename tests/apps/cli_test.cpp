@@ -127,6 +127,34 @@ TEST_F(Cli, FramesAlongAPathAreNumbered) {
     EXPECT_TRUE(fs::exists(folder_ / name)) << name;
 }
 
+TEST_F(Cli, FoveationAndLensAreOptionsOfRender) {
+  const std::string scene = fmt::format("'{}' --size 320x180 --context osmesa", atrium());
+  const auto samples = [&](const std::string& name, const std::string& options) {
+    const Ran ran = run(fmt::format("render {} -o {}.png --stats {}.json {}", scene, name, name, options));
+    EXPECT_EQ(ran.code, 0) << ran.error;
+    const auto stats = nlohmann::json::parse(slurp(folder_ / (name + ".json")));
+    return stats["frames"].back()["samples_allocated"].get<double>();
+  };
+  const double plain = samples("plain", "");
+  const double centre = samples("centre", "--foveate");
+  EXPECT_LT(centre, 0.9 * plain);
+  EXPECT_NE(samples("corner", "--foveate 0.05,0.95"), centre);
+  std::ofstream(folder_ / "gaze.json")
+      << R"([{"time": 0, "x": 0.05, "y": 0.95}, {"time": 1, "x": 0.5, "y": 0.5}])";
+  EXPECT_EQ(samples("gaze", "--gaze gaze.json"), samples("corner", "--foveate 0.05,0.95"));
+  EXPECT_LT(samples("lens", "--lens"), plain);
+  EXPECT_LT(samples("both", "--lens 0.5,0.5 --foveate"), centre);
+  EXPECT_NE(slurp(folder_ / "lens.png"), slurp(folder_ / "plain.png"));
+  const std::string out = fmt::format("render '{}' -o a.png ", atrium());
+  expectRefused(out + "--foveate 0.5", "--foveate 0.5");
+  expectRefused(out + "--foveate nan,0", "nan");
+  expectRefused(out + "--lens 1x2", "--lens 1");
+  expectRefused(out + "--lens=-1,0", "k1 -1");
+  expectRefused(out + "--gaze none.json", "none.json");
+  expectRefused(out + "--gaze gaze.json --foveate 0.1,0.1", "--gaze");
+  EXPECT_FALSE(fs::exists(folder_ / "a.png"));
+}
+
 TEST_F(Cli, InfoSaysWhatTheSceneCallsFor) {
   const Ran ran = run(fmt::format("info '{}' --json --context osmesa", atrium()));
   ASSERT_EQ(ran.code, 0) << ran.error;

@@ -1,7 +1,11 @@
 // The frames of one scene, drawn and measured method by method.
 #pragma once
 
+#include <span>
+
 #include "apps/tessera/compare/options.hpp"
+#include "apps/tessera/compare/quality.hpp"
+#include "apps/tessera/compare/references.hpp"
 #include "apps/tessera/compare/series.hpp"
 #include "apps/tessera/progress.hpp"
 
@@ -10,23 +14,26 @@ namespace tessera::app {
 /// The error that the map paints brightest: what a critical eye sees at once.
 inline constexpr float kErrorFull = 0.5f;
 
-/// Draws the views by one method after another; the first must be forward, whose pictures the others are
-/// compared with.
+/// Draws the views by one method after another; a reference must come before what is compared with it.
 class Runs {
  public:
-  Runs(Engine& engine, const std::vector<TimedView>& views, const CompareOptions& options);
+  Runs(Engine& engine, const std::vector<TimedView>& views, const std::vector<Method>& methods,
+       const CompareOptions& options);
   Result<Series> run(const Method& method, Progress& progress);
 
  private:
-  void draw(const Method& method, const TimedView& timed);
   [[nodiscard]] double resets() const;
   Result<void> frame(const Method& method, std::size_t f, Series& series);
+  void keepAtlasNumbers(std::size_t f, Series& series) const;
+  void keepPictures(std::size_t f, const Image& picture, const Quality& quality, bool atlas,
+                    Series& series) const;
 
   Engine& engine_;
   const std::vector<TimedView>& views_;
   const CompareOptions& options_;
+  MetricChoice metrics_;
   std::vector<std::size_t> chosen_;
-  std::vector<Image> references_;
+  References references_;
 };
 
 }  // namespace tessera::app

@@ -9,6 +9,24 @@
 
 namespace tessera::app {
 
+namespace {
+
+FrameRequest requestOf(const std::vector<Method>& methods) {
+  FrameRequest request;
+  for (const Method& method : methods) {
+    request.forward = request.forward || !method.usesAtlas();
+    request.depthPrepass = request.depthPrepass || method.kind == Kind::ForwardPrepass;
+    request.upsample = request.upsample || method.kind == Kind::ForwardLanczos;
+    request.warp = request.warp || method.kind == Kind::WarpStereo;
+    request.rect = request.rect || method.usesAtlas();
+    request.displayDeferred = request.displayDeferred || method.kind == Kind::RectDeferred;
+    request.lens = request.lens || method.spatial.options.lens.has_value();
+  }
+  return request;
+}
+
+}  // namespace
+
 Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
                                  const std::vector<Method>& methods, const CompareOptions& options,
                                  glm::ivec2 size) {
@@ -54,13 +72,7 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
         "{}; path {}; atlas {} x {}",
         lit != nullptr ? "stage " + std::filesystem::path(lit->file).filename().string() : "no stage",
         camera.path.empty() ? "none" : camera.path, setup->atlas.memory.width, setup->atlas.memory.height);
-    setup->request = {};
-    for (const Method& method : methods) {
-      setup->request.forward = setup->request.forward || !method.usesAtlas();
-      setup->request.depthPrepass = setup->request.depthPrepass || method.kind == Kind::ForwardPrepass;
-      setup->request.rect = setup->request.rect || method.usesAtlas();
-      setup->request.displayDeferred = setup->request.displayDeferred || method.kind == Kind::RectDeferred;
-    }
+    setup->request = requestOf(methods);
     setup->timePasses = true;
     setup->countFragments = true;
     setup->progress = step;
@@ -74,7 +86,7 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
   report.errorMetric = "FLIP";
   report.errorFull = static_cast<double>(kErrorFull);
   Progress progress(std::filesystem::path(file).filename().string(), methods.size() * views.size());
-  Runs runs(*engine, views, options);
+  Runs runs(*engine, views, methods, options);
   for (const Method& method : methods) {
     auto series = runs.run(method, progress);
     if (!series) return fail("{}: {}: {}", file, method.name, series.error().message);

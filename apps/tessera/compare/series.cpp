@@ -24,7 +24,8 @@ double pooledPsnr(const std::vector<double>& decibels) {
 
 bool isShading(const std::string& pass) { return pass == "gather" || pass == "forward"; }
 bool isDisplay(const std::string& pass) {
-  return pass.rfind("display", 0) == 0 || pass == "rect-transparent";
+  return pass.rfind("display", 0) == 0 || pass.rfind("upsample", 0) == 0 || pass == "rect-transparent" ||
+         pass == "warp" || pass == "distort";
 }
 
 }  // namespace
@@ -62,10 +63,15 @@ void record(Series& series, const std::vector<PassTime>& times, std::uint64_t sh
 ReportMethod reportOf(const Method& method, Series series) {
   ReportMethod report;
   report.name = method.name;
+  report.reference = referenceOf(method);
+  report.views = method.isStereo() ? 2 : 1;
   report.mssim = mean(series.mssim);
+  for (const auto& view : series.mssimViews) report.mssimViews.push_back(mean(view));
+  report.mssimAcuity = mean(series.mssimAcuity);
   report.psnrDb = pooledPsnr(series.psnr);
   report.flip = mean(series.flip);
   report.samplesShaded = mean(series.samples);
+  report.invocations = mean(series.invocations);
   report.samplesPassed = mean(series.passed);
   report.nsPerPassed = summarize(series.nsPerPassed).median;
   report.coveredPixels = mean(series.covered);

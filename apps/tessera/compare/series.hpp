@@ -17,6 +17,8 @@ struct Series {
   std::vector<std::string> passOrder;
   std::vector<double> frameMs, gatherMs, displayMs, nsPerSample;
   std::vector<double> nsPerPassed, passed, partly;
+  std::vector<double> invocations, mssimAcuity;
+  std::vector<std::vector<double>> mssimViews;  // by eye, then frame
   std::vector<double> mssim, psnr, flip, samples, allocated, live, patches, triangles, covered, bias;
   double outOfMemory = 0.0;
   double resets = 0.0;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tessera/report/report.hpp"
+#include "apps/tessera/report/report_figures.hpp"
 #include "apps/tessera/report/report_table.hpp"
 #include "engine/core/embedded.hpp"
 #include "engine/measure/colormap.hpp"
@@ -86,7 +87,10 @@ std::string pageData(const Report& report) {
                       {"errorFull", scene.errorFull},
                       {"methods", std::move(methods)}});
   }
-  const Json root = {{"stops", std::move(stops)}, {"scenes", std::move(scenes)}};
+  Json figures = Json::array();
+  for (const ReportFigure& figure : report.figures) figures.push_back(figureJson(report, figure));
+  const Json root = {
+      {"stops", std::move(stops)}, {"scenes", std::move(scenes)}, {"figures", std::move(figures)}};
   const std::string json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string out;
   out.reserve(json.size());
@@ -147,12 +151,15 @@ std::string toHtml(const Report& report) {
   const auto page = embeddedReportPage();
   std::string scenes;
   for (std::size_t i = 0; i < report.scenes.size(); ++i) scenes += sceneSection(report.scenes[i], i);
+  std::string figures;
+  for (std::size_t i = 0; i < report.figures.size(); ++i) figures += figureSection(report, i);
   const std::string context = contextList(report.context);
   const std::string summary = summaryTable(report);
   const std::string data = pageData(report);
   return fill(textOf(page, "report.html"), {{"style", textOf(page, "report.css")},
                                             {"context", context},
                                             {"summary", summary},
+                                            {"figures", figures},
                                             {"scenes", scenes},
                                             {"data", data},
                                             {"chart", textOf(embeddedChart(), "chart.min.js")},

@@ -16,5 +16,9 @@ std::string methodTable(const ReportScene& scene);
 std::string summaryTable(const Report& report);
 /// 1234567.4 as "1,234,567".
 std::string formatCount(double value);
+/// With so many decimals; a dash for what was not measured.
+std::string formatFixed(double value, int decimals);
+/// 0.1234 as "12.3 %"; a dash for what does not apply.
+std::string formatShare(double value);
 
 }  // namespace tessera

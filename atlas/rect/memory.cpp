@@ -44,6 +44,8 @@ Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint
     return fail("atlas memory: {} patch instances are more than {}", patchInstances, 65535u * RECT_GROUP);
   for (const auto& checked : {checkRange("bias", options.bias, -16.0f, 16.0f),
                               checkRange("targetShare", options.targetShare, 1e-6f, 1.0f),
+                              checkRange("targetLargest", options.targetLargest, options.targetShare, 1.0f),
+                              checkRange("softWater", options.softWater, 1e-6f, 1.0f),
                               checkRange("targetCut", options.targetCut, 1e-6f, 1.0f),
                               checkRange("targetGrowth", options.targetGrowth, 1.0f, 2.0f),
                               checkRange("highWater", options.highWater, 1e-6f, 1.0f),
@@ -73,8 +75,10 @@ Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint
   config.range = {static_cast<glsl::uint>(options.smallestLog2), static_cast<glsl::uint>(largest),
                   static_cast<glsl::uint>(options.aspectLog2)};
   config.pressure.highWater = texels * options.highWater;
-  config.pressure.targetLargest = texels * options.targetShare;
-  config.pressure.targetSmallest = std::fmin(texels * kSmallestTargetShare, config.pressure.targetLargest);
+  config.pressure.softWater = texels * options.softWater;
+  config.pressure.targetStart = texels * options.targetShare;
+  config.pressure.targetLargest = texels * options.targetLargest;
+  config.pressure.targetSmallest = std::fmin(texels * kSmallestTargetShare, config.pressure.targetStart);
   config.pressure.targetCut = options.targetCut;
   config.pressure.targetGrowth = options.targetGrowth;
   config.pressure.quietFrames = static_cast<glsl::uint>(options.quietFrames);
@@ -113,6 +117,7 @@ RectStatistics statisticsOf(const glsl::AtlasState& state) {
   statistics.movedTexels = state.events.movedTexels;
   statistics.blocksFreed = state.events.freed;
   statistics.blocksMerged = state.events.merged;
+  statistics.blocksReduced = state.events.reduced;
   statistics.failures = state.events.failures;
   statistics.resets = state.resets;
   statistics.frames = state.frames;

@@ -21,6 +21,10 @@ enum class AtlasStrategy : std::uint8_t {
   S3   // and memory is never reset
 };
 
+/// The defaults were measured with `tessera atlas-bench` over the tours of sponza and the atrium, 1000 frames
+/// each at 4 Mpix and 1920 x 1080: no request failed, and the largest live share of those that moved few
+/// texels. Superblocks of 128 hold 2 % more, but cost 0.01 of MSSIM where patches are near; those of 512 run
+/// out of memory.
 struct RectMemoryOptions {
   int width = 4096;        // texels; a multiple of the superblock, at most 16384
   int height = 2048;       // texels; a multiple of the superblock; record rows come on top
@@ -35,12 +39,15 @@ struct RectMemoryOptions {
   bool pressureBias = true;  // raise the bias when the visible set asks for more than the target S
   float biasFloor = 0.0f;    // [-4, 0]; the lowest pressure bias: 0 shades no finer than the picture, -2 uses
                              // room to spare for up to four times the texels (Mueller 2021, sec. 4.2)
-  float targetShare = 0.75f;    // (0, 1]; S as a share of the atlas: where it starts, and its upper bound
-  float targetCut = 0.85f;      // (0, 1); factor on S when memory ran out or passed the high-water mark
+  float targetShare = 0.85f;    // (0, 1]; S of the first frame, as a share of the atlas
+  float targetLargest = 0.95f;  // [targetShare, 1]; S never grows past this
+  float targetCut = 0.95f;      // (0, 1); factor on S when memory ran out or passed the high-water mark
   float targetGrowth = 1.002f;  // [1, 2]; factor on S in a frame after the quiet time
-  int quietFrames = 120;        // [0, 1e6]; frames without pressure after which S grows
+  int quietFrames = 60;         // [0, 1e6]; frames without pressure after which S grows
+  float softWater = 0.8f;       // (0, 1]; share of the atlas that is live beyond which S shrinks by 1 /
+                                // targetGrowth; with merge only
   float highWater = 0.9f;       // (0, 1]; share of the atlas cut into blocks beyond which memory is reset
-  float hysteresis = 0.15f;     // [0, 2] in log2 of area and of aspect beyond half a step; negative for none
+  float hysteresis = 0.2f;      // [0, 2] in log2 of area and of aspect beyond half a step; negative for none
 };
 
 /// What a frame did. Texels are those of the superblocks unless said otherwise; live, end, stack,
@@ -63,13 +70,14 @@ struct RectStatistics {
   std::uint32_t blocksFreed =
       0;  // given back for good, but for those that a reset takes from what went out of sight
   std::uint32_t blocksMerged = 0;
-  std::uint32_t failures = 0;  // requests that found no memory
-  std::uint32_t resets = 0;    // since creation
-  std::uint32_t frames = 0;    // since creation
-  bool resetPending = false;   // asked for, and held back
-  float load = 0.0f;           // share of the atlas cut into blocks
-  float bias = 0.0f;           // constant and pressure bias together, log2 of area
-  float target = 0.0f;         // S, texels
+  std::uint32_t blocksReduced = 0;  // smaller than asked for, for want of memory
+  std::uint32_t failures = 0;       // requests that found no memory
+  std::uint32_t resets = 0;         // since creation
+  std::uint32_t frames = 0;         // since creation
+  bool resetPending = false;        // asked for, and held back
+  float load = 0.0f;                // share of the atlas cut into blocks
+  float bias = 0.0f;                // constant and pressure bias together, log2 of area
+  float target = 0.0f;              // S, texels
 };
 
 class RectMemory {

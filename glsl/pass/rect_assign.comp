@@ -16,6 +16,27 @@ uint takeSlot(uint w, uint h, LevelState level, uint slot) {
   return blockOrigin(atlas.config, superblock, index, w, h);
 }
 
+bool popBlock(uint l, out uint origin) {
+  int place = atomicAdd(atlas.levels[l].stackCount, -1) - 1;
+  if (place >= 0) {
+    origin = stackEntries[atlas.levels[l].stackBase + uint(place)];
+    return true;
+  }
+  atomicAdd(atlas.levels[l].stackCount, 1);
+  return false;
+}
+
+// Where a level has no block left, one of half the width and height is a better picture than a texel. Whoever that block
+// was meant for goes down in turn.
+bool popSmaller(inout uint w, inout uint h, out uint origin) {
+  while (w > 1u || h > 0u) {
+    w = max(w - 1u, 1u);
+    h -= min(h, 1u);
+    if (popBlock(levelIndex(w, h), origin)) return true;
+  }
+  return false;
+}
+
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
@@ -33,16 +54,14 @@ void main() {
     origin = takeSlot(w, h, level, slot);
     if (atlas.config.stacks == 0u)
       atomicAdd(superblockWords[liveWord(superblockAt(atlas.config, origin))], 1u << (w + h));
+  } else if (popBlock(l, origin)) {
+  } else if (atlas.config.merges != 0u && popSmaller(w, h, origin)) {
+    size = packLevel(w, h, (size & kLevelTransposed) != 0u);
+    atomicAdd(atlas.events.reduced, 1u);
   } else {
-    int place = atomicAdd(atlas.levels[l].stackCount, -1) - 1;
-    if (place >= 0) {
-      origin = stackEntries[level.stackBase + uint(place)];
-    } else {
-      atomicAdd(atlas.levels[l].stackCount, 1);
-      atomicAdd(atlas.events.failures, 1u);
-      size = 0u;
-      origin = recordOrigin(atlas.config, patchId);
-    }
+    atomicAdd(atlas.events.failures, 1u);
+    size = 0u;
+    origin = recordOrigin(atlas.config, patchId);
   }
   patchStates[patchId].origin = origin;
   patchStates[patchId].level = size;

@@ -19,6 +19,16 @@ float biasOfVisible() {
                       atlas.config.lowestBias);
 }
 
+// Texels of live blocks, for the soft mark. Where free blocks are merged and cut
+// they serve other sizes; where not, S follows resets alone, as published.
+float takenTexels() {
+  if (atlas.config.merges == 0u) return 0.0;
+  uint taken = atlas.cutTexels;
+  for (uint w = 1u; w <= atlas.config.superblockLog2; ++w)
+    for (uint h = 0u; h <= w; ++h) taken -= uint(atlas.levels[levelIndex(w, h)].stackCount) << (w + h);
+  return float(taken);
+}
+
 bool openFrame() {
   AtlasConfig config = atlas.config;
   uint visible = max(visibleCount, liveCount);
@@ -26,8 +36,9 @@ bool openFrame() {
   atlas.requestGroupsY = 1u;
   atlas.requestGroupsZ = 1u;
 
-  PressureState pressure = stepPressure(atlas.pressure, config.pressure, atlas.events.failures > 0u,
-                                        float(atlas.cutTexels), (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
+  PressureState pressure = stepPressure(atlas.pressure, config.pressure, atlas.events.failures + atlas.events.reduced > 0u,
+                                        float(atlas.cutTexels), takenTexels(), atlas.pressureBias > config.lowestBias,
+                                        (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
   atlas.pressure = pressure;
   bool reset = pressure.reset != 0u;
   if (reset) {
@@ -45,7 +56,7 @@ bool openFrame() {
   atlas.mergeGroupsZ = 1u;
 
   atlas.pressureBias = config.biased != 0u ? biasOfVisible() : 0.0;
-  atlas.events = AtlasEvents(0u, 0u, 0u, 0u, 0u);
+  atlas.events = AtlasEvents(0u, 0u, 0u, 0u, 0u, 0u);
   ++atlas.frames;
   return reset;
 }

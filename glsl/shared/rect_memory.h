@@ -83,6 +83,7 @@ struct AtlasEvents {
   uint movedTexels;  // of the blocks that those asked for
   uint freed;        // blocks given back without another one being asked for
   uint merged;       // blocks that merging made
+  uint reduced;      // requests that got a smaller block than asked for
 };
 
 struct AtlasState {
@@ -180,10 +181,10 @@ SHARED_FN uint stackCapacityOf(AtlasConfig config, uint w, uint h) {
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::PatchState) == 12);
-static_assert(sizeof(tessera::glsl::AtlasConfig) == 100);
+static_assert(sizeof(tessera::glsl::AtlasConfig) == 108);
 static_assert(sizeof(tessera::glsl::LevelState) == 36);
 static_assert(sizeof(tessera::glsl::BinState) == 20);
-static_assert(sizeof(tessera::glsl::AtlasEvents) == 20);
-static_assert(sizeof(tessera::glsl::AtlasState) == 100 + 14 * 4 + 28 + 20 + 66 * 36 + 66 * 20 + 8 * 64);
+static_assert(sizeof(tessera::glsl::AtlasEvents) == 24);
+static_assert(sizeof(tessera::glsl::AtlasState) == 108 + 14 * 4 + 28 + 24 + 66 * 36 + 66 * 20 + 8 * 64);
 #endif
 #endif

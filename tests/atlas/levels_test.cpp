@@ -398,32 +398,36 @@ TEST(Pressure, RoomToSpareLowersTheBiasToItsFloor) {
 
 class PressureSteps : public ::testing::Test {
  protected:
-  glsl::PressureConfig config{900.0f, 700.0f, 100.0f, 0.5f, 1.5f, 3, 1, 1};
+  // highWater, softWater, targetStart, targetLargest, targetSmallest, targetCut, targetGrowth, quietFrames
+  glsl::PressureConfig config{900.0f, 800.0f, 600.0f, 700.0f, 100.0f, 0.5f, 1.5f, 3, 1, 1};
   glsl::PressureState state = glsl::pressureAtStart(config);
   void step(bool failed, float load, bool held = false, bool asked = false) {
-    state = glsl::stepPressure(state, config, failed, load, held, asked);
+    state = glsl::stepPressure(state, config, failed, load, 0.0f, true, held, asked);
+  }
+  void live(float texels, bool limits = true) {
+    state = glsl::stepPressure(state, config, false, 0.0f, texels, limits, false, false);
   }
 };
 
 TEST_F(PressureSteps, ExhaustionAndTheMarkResetAndCut) {
   step(false, 900.0f);
   EXPECT_EQ(state.reset, 0u) << "at the mark is not past it";
-  EXPECT_EQ(state.target, 700.0f);
+  EXPECT_EQ(state.target, 600.0f);
   step(false, 901.0f);
   EXPECT_EQ(state.reset, 1u);
-  EXPECT_EQ(state.target, 350.0f);
+  EXPECT_EQ(state.target, 300.0f);
   step(true, 0.0f);
   EXPECT_EQ(state.reset, 0u) << "the second reset in a row waits for two frames";
-  EXPECT_EQ(state.target, 175.0f) << "memory packed afresh was too small";
+  EXPECT_EQ(state.target, 150.0f) << "memory packed afresh was too small";
   step(true, 0.0f);
   EXPECT_EQ(state.reset, 1u);
-  EXPECT_EQ(state.target, 175.0f);
+  EXPECT_EQ(state.target, 150.0f);
   for (int i = 0; i < 3; ++i) {
     step(false, 0.0f);
-    EXPECT_EQ(state.target, 175.0f);
+    EXPECT_EQ(state.target, 150.0f);
   }
   step(false, 0.0f);
-  EXPECT_EQ(state.target, 262.5f);
+  EXPECT_EQ(state.target, 225.0f);
   for (int i = 0; i < 5; ++i) step(false, 0.0f);
   EXPECT_EQ(state.target, 700.0f);
 }
@@ -434,7 +438,7 @@ TEST_F(PressureSteps, AHeldResetComesWhenItMay) {
     EXPECT_EQ(state.reset, 0u);
     EXPECT_EQ(state.pending, 1u);
   }
-  EXPECT_EQ(state.target, 350.0f) << "one cut for one episode";
+  EXPECT_EQ(state.target, 300.0f) << "one cut for one episode";
   step(false, 950.0f);
   EXPECT_EQ(state.reset, 1u);
   EXPECT_EQ(state.pending, 0u);
@@ -461,8 +465,22 @@ TEST_F(PressureSteps, AConstantTargetStays) {
   config.adapts = 0;
   step(true, 950.0f);
   EXPECT_EQ(state.reset, 1u);
-  for (int i = 0; i < 20; ++i) step(false, 0.0f);
-  EXPECT_EQ(state.target, 700.0f);
+  for (int i = 0; i < 20; ++i) live(i % 2 == 0 ? 0.0f : 900.0f);
+  EXPECT_EQ(state.target, 600.0f);
+}
+
+TEST_F(PressureSteps, SFindsTheSizeThatMemoryHolds) {
+  live(801.0f);
+  EXPECT_EQ(state.target, 400.0f);
+  EXPECT_EQ(state.reset, 0u);
+  for (int i = 0; i < 10; ++i) live(790.0f);
+  EXPECT_EQ(state.target, 400.0f) << "at rest just below the soft mark";
+  for (int i = 0; i < 10; ++i) live(100.0f, false);
+  EXPECT_EQ(state.target, 400.0f) << "what does not limit does not grow";
+  live(100.0f);
+  EXPECT_EQ(state.target, 600.0f);
+  for (int i = 0; i < 30; ++i) live(900.0f);
+  EXPECT_EQ(state.target, 100.0f) << "the smallest";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <ostream>
 #include <random>
 #include <string>
@@ -49,6 +50,13 @@ inline std::vector<Scenario> scenarios() {
        .patches = 400,
        .demand = 0.3},
   };
+}
+
+/// Frames to run: `soak` when TESSERA_SOAK is set (./run.sh soak), else `normal`; fewer of a scenario of many
+/// patches.
+inline int framesOf(const Scenario& scenario, int normal, int soak) {
+  const bool forLong = std::getenv("TESSERA_SOAK") != nullptr;
+  return (forLong ? soak : normal) / (scenario.patches > 5000 ? 10 : 1);
 }
 
 /// A strategy under test: see AtlasStrategy and RectMemoryOptions::merge.

@@ -93,7 +93,7 @@ TEST_P(TwinFrames, InvariantsHold) {
   FrameStream stream(scenario, 1);
   std::uint64_t failures = 0;
   std::uint64_t kept = 0;
-  const int frames = scenario.patches > 5000 ? 200 : 2000;
+  const int frames = test::framesOf(scenario, 2000, 120000);
   for (int frame = 0; frame < frames; ++frame) {
     // Now and then everything is freed, as when the atlas is full.
     if (frame % 97 == 96) {

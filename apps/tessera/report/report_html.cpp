@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tessera/report/report.hpp"
+#include "apps/tessera/report/report_figures.hpp"
 #include "apps/tessera/report/report_page.hpp"
 #include "apps/tessera/report/report_table.hpp"
 #include "engine/measure/colormap.hpp"
@@ -76,7 +77,10 @@ std::string pageData(const Report& report) {
                       {"errorFull", scene.errorFull},
                       {"methods", std::move(methods)}});
   }
-  const Json root = {{"stops", std::move(stops)}, {"scenes", std::move(scenes)}};
+  Json figures = Json::array();
+  for (const ReportFigure& figure : report.figures) figures.push_back(figureJson(report, figure));
+  const Json root = {
+      {"stops", std::move(stops)}, {"scenes", std::move(scenes)}, {"figures", std::move(figures)}};
   return scriptData(root);
 }
 
@@ -98,11 +102,14 @@ std::string sceneSection(const ReportScene& scene, std::size_t index) {
 std::string toHtml(const Report& report) {
   std::string scenes;
   for (std::size_t i = 0; i < report.scenes.size(); ++i) scenes += sceneSection(report.scenes[i], i);
+  std::string figures;
+  for (std::size_t i = 0; i < report.figures.size(); ++i) figures += figureSection(report, i);
   const std::string context = contextList(report.context);
   const std::string summary = summaryTable(report);
   const std::string data = pageData(report);
-  return fillPage("report.html",
-                  {{"context", context}, {"summary", summary}, {"scenes", scenes}, {"data", data}});
+  return fillPage(
+      "report.html",
+      {{"context", context}, {"summary", summary}, {"figures", figures}, {"scenes", scenes}, {"data", data}});
 }
 
 }  // namespace tessera

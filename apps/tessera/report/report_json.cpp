@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/tessera/report/report_figures.hpp"
 #include "engine/measure/metrics.hpp"
 
 namespace tessera {
@@ -25,16 +26,28 @@ Json contextJson(const ReportContext& c) {
 
 namespace {
 
-Json methodJson(const ReportMethod& m) {
+Json methodJson(const ReportScene& scene, const ReportMethod& m) {
   Json passes = Json::array();
   for (const ReportPass& pass : m.passes)
     passes.push_back({{"name", pass.name}, {"ms", timingJson(pass.ms)}});
+  Json views = Json::array();
+  for (const double view : m.mssimViews) views.push_back(number(view));
   return {{"name", m.name},
+          {"reference", m.reference},
+          {"views", m.views},
           {"mssim", number(m.mssim)},
+          {"mssim_views", views},
+          {"mssim_acuity", number(m.mssimAcuity)},
           {"dssim", number(dssim(m.mssim))},
           {"psnr_db", number(m.psnrDb)},
           {"flip", number(m.flip)},
           {"samples_shaded", number(m.samplesShaded)},
+          {"shaded_per_target_pixel", number(shadedPerTargetPixel(scene, m))},
+          {"shaded_per_picture_pixel", number(shadedPerPicturePixel(scene, m))},
+          {"shaded_against_reference", number(shadedAgainstReference(scene, m))},
+          {"invocations", number(m.invocations)},
+          {"invocations_per_target_pixel",
+           number(m.invocations / (static_cast<double>(scene.width) * scene.height))},
           {"samples_allocated", number(m.samplesAllocated)},
           {"atlas_texels_used", number(m.atlasTexelsUsed)},
           {"visible_patches", number(m.visiblePatches)},
@@ -56,7 +69,7 @@ Json methodJson(const ReportMethod& m) {
 
 Json sceneJson(const ReportScene& scene) {
   Json methods = Json::array();
-  for (const ReportMethod& method : scene.methods) methods.push_back(methodJson(method));
+  for (const ReportMethod& method : scene.methods) methods.push_back(methodJson(scene, method));
   return {{"file", scene.file},
           {"note", scene.note},
           {"triangles", scene.triangles},
@@ -73,7 +86,12 @@ Json sceneJson(const ReportScene& scene) {
 std::string toJson(const Report& report) {
   Json scenes = Json::array();
   for (const ReportScene& scene : report.scenes) scenes.push_back(sceneJson(scene));
-  const Json root = {{"schema", 1}, {"context", contextJson(report.context)}, {"scenes", std::move(scenes)}};
+  Json figures = Json::array();
+  for (const ReportFigure& figure : report.figures) figures.push_back(figureJson(report, figure));
+  const Json root = {{"schema", 1},
+                     {"context", contextJson(report.context)},
+                     {"scenes", std::move(scenes)},
+                     {"figures", std::move(figures)}};
   return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

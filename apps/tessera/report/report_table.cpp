@@ -33,12 +33,6 @@ std::string ratio(double value, double reference) {
   return std::isfinite(quotient) ? formatFixed(quotient, 2) + " ×" : kDash;
 }
 
-const ReportMethod* forwardOf(const ReportScene& scene) {
-  const auto found = std::find_if(scene.methods.begin(), scene.methods.end(),
-                                  [](const ReportMethod& method) { return method.name == "forward"; });
-  return found == scene.methods.end() ? nullptr : &*found;
-}
-
 struct Row {
   std::string label;  // HTML
   std::string hint;   // HTML, shown small beside the label
@@ -126,6 +120,10 @@ std::string escapeHtml(std::string_view text) {
   return out;
 }
 
+std::string formatShare(double value) {
+  return std::isfinite(value) ? formatFixed(100.0 * value, 1) + " %" : kDash;
+}
+
 std::string formatCount(double value) {
   std::string digits = formatFixed(value, 0);
   if (!std::isfinite(value)) return digits;
@@ -141,8 +139,15 @@ std::string methodTable(const ReportScene& scene) {
     out += fmt::format("<th scope=\"col\"><i class=\"swatch\" data-method=\"{}\"></i>{}</th>",
                        &method - scene.methods.data(), escapeHtml(method.name));
   out += "</tr></thead>\n";
-  out += group(scene, "Picture against forward",
+  out += group(scene, "Pictures against forward",
                {fixedRow("MSSIM", "1 is equal", &ReportMethod::mssim, 4),
+                {"MSSIM", "left and right eye",
+                 [](const ReportMethod& m) {
+                   return m.mssimViews.size() < 2
+                              ? std::string(kDash)
+                              : formatFixed(m.mssimViews[0], 4) + " · " + formatFixed(m.mssimViews[1], 4);
+                 }},
+                fixedRow("MSSIM by acuity", "foveated", &ReportMethod::mssimAcuity, 4),
                 {"DSSIM", "0 is equal", [](const ReportMethod& m) { return formatFixed(dssim(m.mssim), 4); }},
                 fixedRow("PSNR", "dB", &ReportMethod::psnrDb, 2),
                 fixedRow("FLIP", "0 is equal", &ReportMethod::flip, 4),
@@ -150,6 +155,13 @@ std::string methodTable(const ReportScene& scene) {
   out += group(scene, "Work per frame",
                {countRow("Samples shaded", "", &ReportMethod::samplesShaded),
                 countRow("Samples allocated", "", &ReportMethod::samplesAllocated),
+                {"Samples shaded", "of a picture's pixels",
+                 [&](const ReportMethod& m) { return formatShare(shadedPerTargetPixel(scene, m)); }},
+                {"Samples shaded", "of all pictures' pixels",
+                 [&](const ReportMethod& m) { return formatShare(shadedPerPicturePixel(scene, m)); }},
+                {"Samples shaded", "of forward's",
+                 [&](const ReportMethod& m) { return formatShare(shadedAgainstReference(scene, m)); }},
+                countRow("Fragment-shader invocations", "as GL counts them", &ReportMethod::invocations),
                 {"Samples shaded per covered pixel", "",
                  [](const ReportMethod& m) { return formatFixed(samplesPerPixel(m), 2); }},
                 countRow("Covered pixels", "", &ReportMethod::coveredPixels),
@@ -160,21 +172,23 @@ std::string methodTable(const ReportScene& scene) {
                 countRow("Out of memory", "patches, all frames", &ReportMethod::outOfMemory),
                 countRow("Resets", "all frames", &ReportMethod::resets),
                 countRow("Non-finite texels", "all frames", &ReportMethod::nonFiniteTexels)});
-  const ReportMethod* forward = forwardOf(scene);
-  const double forwardFrame = forward != nullptr ? forward->frameMs.median : kNotMeasured;
-  const double forwardSample = forward != nullptr ? forward->nsPerSample : kNotMeasured;
+  const auto against = [&](const ReportMethod& m, const auto& number) {
+    const ReportMethod* reference = referenceOf(scene, m);
+    return reference == nullptr ? std::string(kDash) : ratio(number(m), number(*reference));
+  };
+  const auto frameMs = [](const ReportMethod& m) { return m.frameMs.median; };
+  const auto perSample = [](const ReportMethod& m) { return m.nsPerSample; };
   out += group(
       scene, "Time, median",
       {timingRow("Frame", "ms", &ReportMethod::frameMs),
-       {"Frame against forward", "",
-        [=](const ReportMethod& m) { return ratio(m.frameMs.median, forwardFrame); }},
+       {"Frame against forward", "", [=](const ReportMethod& m) { return against(m, frameMs); }},
        timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
        timingRow("Display", "ms", &ReportMethod::displayMs),
        {"Shading per sample", "ns", [](const ReportMethod& m) { return formatDuration(m.nsPerSample); }},
        {"Shading per sample that passed depth", "ns",
         [](const ReportMethod& m) { return formatDuration(m.nsPerPassed); }},
        {"Shading per sample against forward", "",
-        [=](const ReportMethod& m) { return ratio(m.nsPerSample, forwardSample); }}});
+        [=](const ReportMethod& m) { return against(m, perSample); }}});
   out += group(scene, "Time of each pass, median, ms", passRows(scene));
   return out + "</table>\n";
 }
@@ -188,9 +202,9 @@ std::string summaryTable(const Report& report) {
       "<th scope=\"col\">Shading per sample, ns</th><th scope=\"col\">against forward</th></tr></thead>\n";
   for (std::size_t s = 0; s < report.scenes.size(); ++s) {
     const ReportScene& scene = report.scenes[s];
-    const ReportMethod* forward = forwardOf(scene);
     out += "<tbody>\n";
     for (const ReportMethod& m : scene.methods) {
+      const ReportMethod* forward = referenceOf(scene, m);
       out += "<tr>";
       if (&m == scene.methods.data())
         out += fmt::format(

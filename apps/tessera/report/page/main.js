@@ -123,6 +123,11 @@ function buildPictures(parent, scene) {
 function paint() {
   for (const chart of drawnCharts) chart.destroy();
   drawnCharts = [];
+  document.querySelectorAll('.figure').forEach(section => {
+    const parent = section.querySelector('.charts');
+    parent.replaceChildren();
+    drawnCharts.push(...drawFigure(parent, kData.figures[section.dataset.figure]));
+  });
   document.querySelectorAll('.scene').forEach(section => {
     const methods = kData.scenes[section.dataset.scene].methods;
     const parent = section.querySelector('.charts');

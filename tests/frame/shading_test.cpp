@@ -31,8 +31,9 @@ struct Expected {
   // something.
   double certain = 0.4;
   double certainInAtlas = 0.15;
-  int reach = 0;            // half pixels on top of the above
-  int shadowSize = 1024;    // texels a side
+  int reach = 0;          // half pixels on top of the above
+  int shadowSize = 1024;  // texels a side
+  AtlasFormat format = AtlasFormat::Srgb8;
   bool silhouettes = true;  // false: pixels beside nothing may have any colour
 };
 
@@ -42,6 +43,7 @@ void expectPictures(const test::Reference& reference, const Scene& scene, const 
   EngineOptions options;
   options.atlas.memory.width = 1024;
   options.atlas.memory.height = 1024;
+  options.atlas.format = expected.format;
   options.splitEdges = 0.0;
   options.shadowSize = expected.shadowSize;
   options.request.displayDeferred = true;
@@ -182,6 +184,19 @@ TextureSlot nearest(std::uint32_t image) {
   return slot;
 }
 
+/// A normal map of two tilts, in checkers.
+TextureSlot bumps(Scene& scene) {
+  const TextureSlot slot = nearest(test::addCheckers(scene, 64, 4));
+  auto& pixels = scene.images[slot.image].image.pixels;
+  for (std::size_t i = 0; i < pixels.size(); i += 4) {
+    const bool on = pixels[i] > 128;
+    pixels[i] = on ? 180 : 100;
+    pixels[i + 1] = on ? 150 : 80;
+    pixels[i + 2] = on ? 240 : 230;
+  }
+  return slot;
+}
+
 TEST_F(Shading, EmissionAddsToLight) {
   Scene scene = test::emptyScene();
   Material plain = dull({0.3f, 0.3f, 0.3f});
@@ -192,12 +207,16 @@ TEST_F(Shading, EmissionAddsToLight) {
   textured.emissive = nearest(test::addCheckers(scene, 64, 4));
   Material dark = dull({0.3f, 0.3f, 0.3f});
   dark.emissive = textured.emissive;  // a factor of 0 keeps the texture's light away
+  Material glaring = plain;
+  glaring.emissiveFactor = glm::vec3(1e30f);  // its square is past float32
+  test::place(scene, addWall(scene, test::addMaterial(scene, glaring), {-0.4f, 0.6f, 0}, 0.5f));
   test::place(scene, addWall(scene, test::addMaterial(scene, plain), {-1.2f, -1, 0}, 0.7f));
-  test::place(scene, addWall(scene, test::addMaterial(scene, textured), {-0.4f, -1, 0}, 1.5f));
+  test::place(scene, addWall(scene, test::addMaterial(scene, textured), {-0.4f, -1, 0}, 1.4f));
   test::place(scene, addWall(scene, test::addMaterial(scene, dark), {-1.2f, 0, 0}, 0.7f));
   test::finish(scene);
   Lighting lighting;
   expectReference(scene, lighting, wallView());
+  expectReference(scene, lighting, wallView(), {.format = AtlasFormat::Rgba16f});
   lighting.exposure = 0.5;
   expectReference(scene, lighting, wallView());
   lighting.lights.push_back(directional({0.4, -0.5, -1.0}, {1.5f, 1.0f, 0.5f}));
@@ -263,6 +282,9 @@ TEST_F(Shading, LampsEndAtTheirRangeAndCone) {
   ranged.lights.push_back(point({0.4, 0.1, 0.6}, glm::vec3(1.5f)));
   ranged.lights[0].range = 1.2f;
   expectReference(scene, ranged, wallView());
+  Lighting close;
+  close.lights.push_back(point({0.1, 0.05, 0.05}, glm::vec3(0.01f)));
+  expectReference(scene, close, lookAt({0, 0, 0.6}, {0, 0, 0}, 50.0, kWidth, kHeight, 0.05));
   Lighting spot;
   spot.lights.push_back(point({-0.6, 0.3, 1.0}, glm::vec3(2.5f)));
   spot.lights[0].type = LightType::Spot;
@@ -304,7 +326,7 @@ TEST_F(Shading, TexturesOfEverySlot) {
   materials[1].metallicFactor = 0.8f;
   materials[2].occlusion = checkers;
   materials[2].occlusionStrength = 0.7f;
-  materials[3].normal = checkers;
+  materials[3].normal = bumps(scene);
   materials[3].normalScale = 0.6f;
   materials[4].baseColor = checkers;
   materials[4].baseColor.sampler.wrapS = materials[4].baseColor.sampler.wrapT = Wrap::Repeat;
@@ -325,7 +347,7 @@ TEST_F(Shading, TexturesOfEverySlot) {
   for (const glm::vec2& uv : scene.vertices.uv0) scene.vertices.uv1.emplace_back(0.7f * uv.y, 0.4f * uv.x);
   scene.nodes.resize(2);
   scene.nodes[1].scale = {1.0, -1.0, 1.0};
-  scene.nodes[1].rotation = glm::angleAxis(0.3, glm::dvec3(0, 0, 1));
+  scene.nodes[1].rotation = glm::angleAxis(0.3, glm::normalize(glm::dvec3(0.7, 0.9, 1)));
   scene.nodes[1].translation = {-0.4, 1.15, 0.0};
   for (Instance& instance : scene.instances)
     if (instance.primitive == 3) instance.node = 1;
@@ -337,6 +359,66 @@ TEST_F(Shading, TexturesOfEverySlot) {
   for (const double z : {2.6, -2.6}) {
     SCOPED_TRACE(::testing::Message() << "eye at z " << z);
     expectReference(scene, lighting, wallView(z));
+  }
+}
+
+TEST_F(Shading, UnlitColoursAreWhatTheyAre) {
+  Scene scene = test::emptyScene();
+  Material white;
+  white.unlit = true;
+  Material textured = white;
+  textured.baseColor = nearest(test::addCheckers(scene, 64, 4));
+  textured.baseColorFactor = {1.0f, 0.5f, 0.25f, 1.0f};
+  const auto index = test::addMaterial(scene, white);
+  test::place(scene, addWall(scene, index, {-1.2f, -1, 0}, 1.0f));
+  test::place(scene, addWall(scene, test::addMaterial(scene, textured), {0, -1, 0}, 1.0f));
+  test::place(scene, test::addGrid(scene, {-1.2f, 0.1f, 0}, {2, 0, 0}, {0, 0.8f, 0}, 4, 2, index, true));
+  for (glm::vec4& color : scene.vertices.color) color = 0.2f + 0.8f * color;
+  test::finish(scene);
+  Lighting dim;
+  dim.exposure = 0.25;  // neither it nor the film curve touches them
+  expectReference(scene, dim, wallView());
+}
+
+TEST_F(Shading, TinyUnitsKeepTheirNormals) {
+  // A mesh in units of 10 picometres: its normal matrix has entries whose squares are past float32.
+  Scene scene = test::emptyScene();
+  scene.nodes[0].scale = glm::dvec3(1e-11);
+  const auto index = test::addMaterial(scene, dull({0.8f, 0.5f, 0.3f}));
+  test::place(scene, addWall(scene, index, {-1e11f, -1e11f, 0}, 2e11f));
+  scene.vertices.normal.assign(scene.vertices.position.size(), glm::vec3(0, 0, 1));
+  test::finish(scene);
+  Lighting lighting;
+  lighting.lights.push_back(directional({0.2, -0.9, -0.6}, glm::vec3(3.0f)));
+  expectReference(scene, lighting, wallView());
+}
+
+TEST_F(Shading, BlendedAlphaIsAShareOfLight) {
+  Scene scene = test::emptyScene();
+  Material ground;
+  ground.unlit = true;
+  ground.baseColorFactor = {0.1f, 0.2f, 0.8f, 1.0f};
+  Material glass = ground;
+  glass.alphaMode = AlphaMode::Blend;
+  glass.baseColorFactor = {0.6f, 0.4f, 0.0f, 0.25f};
+  test::place(scene, addWall(scene, test::addMaterial(scene, ground)));
+  test::place(scene, addWall(scene, test::addMaterial(scene, glass), {-0.5f, -0.5f, 0.3f}, 1.0f));
+  test::finish(scene);
+  auto engine = Engine::create(test::context(), scene, test::stageOf({}), {});
+  ASSERT_TRUE(engine) << engine.error().message;
+  (*engine)->update(0.0);
+  for (const bool atlas : {false, true}) {
+    if (atlas)
+      (*engine)->rect(wallView());
+    else
+      (*engine)->forward(wallView());
+    const Image image = (*engine)->readColor();
+    // By hand: 3/4 of the ground and 1/4 of the glass are 0.225, 0.25 and 0.6; in 8-bit sRGB 130.5, 136.9,
+    // 203.0.
+    const std::uint8_t* p = image.at(kWidth / 2, kHeight / 2);
+    EXPECT_NEAR(p[0], 130.5, 2.0);
+    EXPECT_NEAR(p[1], 136.9, 2.0);
+    EXPECT_NEAR(p[2], 203.0, 2.0);
   }
 }
 
@@ -459,6 +541,67 @@ TEST_F(Shading, ShadowsOfSunAndSpotAreWhereTheyMustBe) {
   spot.lights[0].outerCone = 0.75f;
   spot.lights[0].castsShadow = true;
   expectReference(scene, spot, view, {.certain = 0.25, .reach = 1});
+}
+
+TEST_F(Shading, HolesByTextureCoordinatesVertexAlphaAndCutoff) {
+  Scene scene = test::emptyScene();
+  auto holes = nearest(test::addCheckers(scene, 64, 2, true));
+  // One colour all over: what filtering finds beyond the holes' edges is the same.
+  auto& pixels = scene.images[holes.image].image.pixels;
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (i % 4 != 3) pixels[i] = 200;
+  Material leaf = dull({0.2f, 0.8f, 0.2f});
+  leaf.alphaMode = AlphaMode::Mask;
+  leaf.doubleSided = true;
+  std::vector<Material> materials(5, leaf);
+  materials[0].baseColor = holes;
+  materials[0].baseColor.uvSet = 1;
+  materials[1].baseColor = holes;
+  materials[1].baseColor.hasTransform = true;
+  materials[1].baseColor.uvTransform = {glm::vec3(0.5f, 0.3f, 0.1f), glm::vec3(-0.2f, 0.7f, 0.3f)};
+  materials[2].alphaCutoff = 0.6f;        // vertex alpha alone
+  materials[3].baseColorFactor.a = 0.5f;  // at the cutoff: not a hole
+  materials[4].baseColor = holes;
+  materials[4].baseColor.uvSet = 1;  // with a transform and vertex alpha besides
+  materials[4].baseColor.hasTransform = true;
+  materials[4].baseColor.uvTransform = {glm::vec3(0.9f, 0.0f, 0.05f), glm::vec3(0.0f, 0.6f, 0.1f)};
+  test::place(scene, test::addGrid(scene, {-2, 0, 2}, {4, 0, 0}, {0, 0, -4}, 4, 4,
+                                   test::addMaterial(scene, dull({0.8f, 0.7f, 0.6f}))));
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const glm::vec3 corner(-1.6f + 0.7f * static_cast<float>(i), 0.7f, 0.3f);
+    const bool alpha = i == 2 || i == 4;
+    const auto first = scene.vertices.position.size();
+    test::place(scene, test::addGrid(scene, corner, {0.6f, 0, 0}, {0, 0.1f, -0.6f}, 1, 1,
+                                     test::addMaterial(scene, materials[i]), alpha));
+    if (!alpha) continue;
+    for (std::size_t v = first; v < scene.vertices.color.size(); ++v)
+      scene.vertices.color[v] = {1, 1, 1, scene.vertices.uv0[v].x};
+  }
+  for (const glm::vec2& uv : scene.vertices.uv0)
+    scene.vertices.uv1.emplace_back(0.3f + 0.6f * uv.y, 0.8f * uv.x);
+  for (Primitive& primitive : scene.primitives) primitive.hasUv1 = true;
+  test::finish(scene);
+  Lighting sun;
+  sun.lights.push_back(directional({0.3, -1.0, 0.9}, glm::vec3(3.0f)));
+  sun.lights[0].castsShadow = true;
+  const View view = lookAt({0.1, 2.2, 2.0}, {0, 0.3, 0.2}, 60.0, kWidth, kHeight, 0.05);
+  expectReference(scene, sun, view, {.certain = 0.25, .reach = 1});
+}
+
+TEST_F(Shading, BumpsSeeNoLightThatTheirSurfaceHides) {
+  Scene scene = test::emptyScene();
+  Material bumpy = dull({0.8f, 0.7f, 0.6f});
+  bumpy.normal = bumps(scene);
+  bumpy.normalScale = 2.0f;
+  test::place(scene, addWall(scene, test::addMaterial(scene, bumpy)));
+  scene.vertices.tangent.assign(scene.vertices.position.size(), glm::vec4(1, 0, 0, 1));
+  test::finish(scene);
+  Lighting sun;
+  sun.ambient = {glm::vec3(0.1f), glm::vec3(0.1f)};
+  sun.lights.push_back(
+      directional({1.0, 0.1, 0.02}, glm::vec3(3.0f)));  // from behind, all but along the wall
+  sun.lights[0].castsShadow = true;
+  expectReference(scene, sun, wallView());
 }
 
 TEST_F(Shading, WhatLiesLowUnderANearLampCastsItsShadow) {

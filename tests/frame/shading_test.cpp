@@ -422,6 +422,79 @@ TEST_F(Shading, BlendedAlphaIsAShareOfLight) {
   }
 }
 
+TEST_F(Shading, BumpsTurnWithTheirInstance) {
+  // The tangent of a wall that is turned about y lies along z, and so on about every axis.
+  for (const glm::dvec3 axis : {glm::dvec3(0, 1, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1)}) {
+    Scene scene = test::emptyScene();
+    Material bumpy = dull({0.8f, 0.7f, 0.6f});
+    bumpy.normal = bumps(scene);
+    scene.nodes[0].rotation = glm::angleAxis(1.3, axis);
+    test::place(scene, addWall(scene, test::addMaterial(scene, bumpy)));
+    scene.vertices.tangent.assign(scene.vertices.position.size(), glm::vec4(0.6f, 0.8f, 0, 1));
+    test::finish(scene);
+    const glm::dvec3 front = scene.nodes[0].rotation * glm::dvec3(0, 0, 1);
+    const glm::dvec3 aside = scene.nodes[0].rotation * glm::dvec3(0.9, 0.4, 0);
+    Lighting sun;
+    sun.lights.push_back(directional(aside - front, glm::vec3(3.0f)));
+    SCOPED_TRACE(::testing::Message() << "about " << axis.x << " " << axis.y << " " << axis.z);
+    const View view = lookAt(2.5 * front + glm::dvec3(0.2, 0.1, 0.1), {0, 0, 0}, 50.0, kWidth, kHeight, 0.05);
+    expectReference(scene, sun, view, {.certainInAtlas = 0.1});
+  }
+}
+
+TEST_F(Shading, LongWallsHaveTheirTexelsAlongTheirLength) {
+  Scene scene = test::emptyScene();
+  Material striped;
+  striped.unlit = true;
+  striped.baseColor = nearest(test::addCheckers(scene, 64, 16));
+  const auto index = test::addMaterial(scene, striped);
+  test::place(scene, test::addGrid(scene, {-1.2f, 0.7f, 0}, {2.4f, 0, 0}, {0, 0.3f, 0}, 1, 1, index));
+  test::place(scene, test::addGrid(scene, {-1.2f, -1, 0}, {0.3f, 0, 0}, {0, 1.6f, 0}, 1, 1, index));
+  // Stripes across the length only.
+  for (glm::vec2& uv : scene.vertices.uv0) uv *= 0.99f;
+  for (std::size_t i = 0; i < 4; ++i) scene.vertices.uv0[i].y = 0.01f;
+  for (std::size_t i = 4; i < 8; ++i) scene.vertices.uv0[i].x = 0.01f;
+  test::finish(scene);
+  expectReference(scene, {}, wallView(2.6), {.certainInAtlas = 0.0});
+}
+
+TEST_F(Shading, FansOfTrianglesAreWholeInBothDisplays) {
+  Scene scene = test::emptyScene();
+  const auto material = test::addMaterial(scene, dull({0.9f, 0.9f, 0.9f}));
+  scene.nodes.resize(2);
+  scene.nodes[1].scale = {1.0, -1.0, 1.0};
+  for (int fan = 0; fan < 3; ++fan) {
+    const int sides = 5 + 2 * (fan % 2);  // three triangles are a triple, five leave one alone
+    Primitive primitive;
+    primitive.material = material;
+    primitive.hasColor = true;
+    primitive.firstVertex = static_cast<std::uint32_t>(scene.vertices.position.size());
+    primitive.firstIndex = static_cast<std::uint32_t>(scene.indices.size());
+    for (int i = 0; i < sides; ++i) {
+      const float angle = 6.2831853f * (static_cast<float>(i) + 0.3f) / static_cast<float>(sides);
+      const glm::vec3 p(static_cast<float>(fan) - 1 + 0.42f * std::cos(angle), 0.6f + 0.42f * std::sin(angle),
+                        0);
+      scene.vertices.position.push_back(p);
+      scene.vertices.normal.emplace_back(0, 0, 1);
+      scene.vertices.uv0.emplace_back(0);
+      scene.vertices.color.emplace_back(0.2f + 0.8f * static_cast<float>(i % 2),
+                                        0.15f * static_cast<float>(i), i % 3 == 0 ? 0.9f : 0.3f, 1.0f);
+      primitive.bounds.add(glm::dvec3(p));
+    }
+    for (int i = 2; i < sides; ++i)
+      for (const int v : {0, i - 1, i})
+        scene.indices.push_back(primitive.firstVertex + static_cast<std::uint32_t>(v));
+    primitive.vertexCount = static_cast<std::uint32_t>(sides);
+    primitive.indexCount = static_cast<std::uint32_t>(3 * (sides - 2));
+    scene.primitives.push_back(primitive);
+    for (std::uint32_t node = 0; node < 2; ++node) test::place(scene, static_cast<std::uint32_t>(fan), node);
+  }
+  test::finish(scene);
+  Lighting sun;
+  sun.lights.push_back(directional({0.1, 0.3, -1.0}, glm::vec3(3.0f)));
+  expectReference(scene, sun, wallView(2.4), {.certain = 0.1, .certainInAtlas = 0.0});
+}
+
 /// The six walls of a room of 6 m a side about the origin, fronts inwards.
 void addRoom(Scene& scene, std::uint32_t material) {
   for (int axis = 0; axis < 3; ++axis)

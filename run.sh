@@ -2,6 +2,7 @@
 # One command for each thing a newcomer wants. Every command does all the set-up it needs on a fresh Debian 12.
 #   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
 #   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
+#   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
 #   ./run.sh build             set up and build
 #   ./run.sh tessera ARGS...   run the program
 #   ./run.sh check             clang-format and clang-tidy
@@ -14,7 +15,7 @@ packages=(
   g++ cmake ninja-build ccache git python3 python3-glad
   libosmesa6-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers
   libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
-  libglfw3-dev libgtest-dev glslang-tools
+  libglfw3-dev libgtest-dev libzstd-dev glslang-tools
 )
 
 step=""
@@ -75,6 +76,11 @@ case "$command" in
     say "running the tests"
     hint="run one again with: ctest --test-dir $build -R NAME --output-on-failure"
     ctest --test-dir "$build" --output-on-failure --no-tests=error "$@"
+    ;;
+  soak)
+    build_all
+    say "the atlas memory, for long"
+    TESSERA_SOAK=1 ctest --test-dir "$build" -R '^memory' --output-on-failure --no-tests=error --timeout 7200 "$@"
     ;;
   demo)
     build_all

@@ -1,6 +1,7 @@
 #include "apps/tessera/options.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -46,6 +47,35 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       ->capture_default_str();
   command.add_flag("!--no-pressure-bias", choice.pressureBias,
                    "do not lower levels when the atlas gets full");
+  command
+      .add_option("--bias-floor", choice.biasFloor,
+                  "lowest bias that room to spare may lead to: 0 none, -2 up to four times the texels")
+      ->check(CLI::Range(-4.0, 0.0))
+      ->capture_default_str();
+  command.add_option("--strategy", choice.strategy, "memory strategy: S0 (the one to use), S1, S2, S3")
+      ->check(CLI::IsMember({"S0", "S1", "S2", "S3"}))
+      ->capture_default_str();
+  command.add_flag("!--no-merge", choice.merge, "do not merge free siblings");
+  const auto powerOfTwo = [](const std::string& text) {
+    const int value = std::atoi(text.c_str());
+    return value > 0 && (value & (value - 1)) == 0 ? std::string() : text + " is not a power of two";
+  };
+  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
+      ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
+      ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command
+      .add_option("--largest-aspect", choice.largestAspect, "width to height of a block at most, 2 to 1024")
+      ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command.add_option("--high-water", choice.highWater, "share of the atlas in use beyond which it is reset")
+      ->check(CLI::Range(0.01, 1.0));
+  command
+      .add_option("--hysteresis", choice.hysteresis,
+                  "how far past the border, in log2, a block's ideal size must be; -1: none")
+      ->check(CLI::Range(-1.0, 2.0));
   command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
       ->check(CLI::IsMember({"srgb8", "rgba16f"}))
       ->capture_default_str();
@@ -53,6 +83,20 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       .add_option("--split-edges", choice.splitEdges,
                   "split edges longer than this share of the scene's diagonal; 0: never")
       ->check(CLI::Range(0.0, 1.0));
+}
+
+void addSpatial(CLI::App& command, SpatialChoice& choice) {
+  command
+      .add_option("--foveate", choice.foveate,
+                  "shade less where the eye resolves less; x,y looked at as a share of the picture from its "
+                  "top left, else its middle")
+      ->expected(0, 1);
+  command.add_option("--gaze", choice.gaze,
+                     "foveate by a JSON file of places over time: [{time, x, y}, ...]");
+  command
+      .add_option("--lens", choice.lens,
+                  "draw through a lens, and shade less where it presses together; k1,k2, else 0.22,0.24")
+      ->expected(0, 1);
 }
 
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice) {
@@ -90,6 +134,15 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   EngineOptions options;
   RectMemoryOptions& memory = options.atlas.memory;
   const double texels = choice.megapixels * 1048576.0;
+  const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
+  if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
+  if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
+  if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
+  if (choice.highWater > 0.0) memory.highWater = static_cast<float>(choice.highWater);
+  if (choice.hysteresis >= -1.0) memory.hysteresis = static_cast<float>(choice.hysteresis);
+  memory.strategy = static_cast<AtlasStrategy>(choice.strategy.back() - '0');
+  memory.merge = choice.merge;
+  memory.biasFloor = static_cast<float>(choice.biasFloor);
   const int superblock = 1 << memory.superblockLog2;
   memory.width = std::max(superblock, 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9)));
   memory.height =
@@ -99,6 +152,56 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
+}
+
+namespace {
+
+/// "a,b" as two numbers.
+Result<glm::dvec2> parsePair(const char* option, const std::string& text) {
+  glm::dvec2 pair(0.0);
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, pair.x);
+  if (first.ec == std::errc() && first.ptr != end && *first.ptr == ',') {
+    const auto second = std::from_chars(first.ptr + 1, end, pair.y);
+    if (second.ec == std::errc() && second.ptr == end) return pair;
+  }
+  return fail("{} {}: not two numbers with a comma between", option, text);
+}
+
+}  // namespace
+
+PlaceOptions SpatialReuse::at(double time) const {
+  PlaceOptions now = options;
+  if (!gaze.empty()) now.foveation->gaze = sampleGaze(gaze, time);
+  return now;
+}
+
+Result<SpatialReuse> spatialOf(const SpatialChoice& choice) {
+  SpatialReuse reuse;
+  if (choice.foveate || !choice.gaze.empty()) reuse.options.foveation.emplace();
+  if (choice.foveate && !choice.foveate->empty()) {
+    if (!choice.gaze.empty()) return fail("--foveate {} and --gaze exclude each other", *choice.foveate);
+    auto place = parsePair("--foveate", *choice.foveate);
+    if (!place) return tl::unexpected(place.error());
+    reuse.options.foveation->gaze = *place;
+  }
+  if (!choice.gaze.empty()) {
+    auto gaze = loadGaze(choice.gaze);
+    if (!gaze) return tl::unexpected(gaze.error());
+    reuse.gaze = std::move(*gaze);
+  }
+  if (choice.lens) reuse.options.lens.emplace();
+  if (choice.lens && !choice.lens->empty()) {
+    auto numbers = parsePair("--lens", *choice.lens);
+    if (!numbers) return tl::unexpected(numbers.error());
+    reuse.options.lens->k1 = numbers->x;
+    reuse.options.lens->k2 = numbers->y;
+  }
+  if (reuse.options.foveation)
+    if (auto good = check(*reuse.options.foveation); !good) return tl::unexpected(good.error());
+  if (reuse.options.lens)
+    if (auto good = check(*reuse.options.lens); !good) return tl::unexpected(good.error());
+  return reuse;
 }
 
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice) {
@@ -147,6 +250,17 @@ Result<CameraPath> pathOf(const CameraChoice& choice, const Stage* stage) {
 }
 
 }  // namespace
+
+Result<void> coverPath(CameraChoice& choice, const Stage* stage) {
+  auto path = pathOf(choice, stage);
+  if (!path) return tl::unexpected(path.error());
+  if (choice.fps > 0.0) return {};
+  const double duration = path->keys.back().time - path->keys.front().time;
+  if (choice.frames < 2 || duration <= 0.0)
+    return fail("--path {}: {} frames of {} s cannot cover it", choice.path, choice.frames, duration);
+  choice.fps = (choice.frames - 1) / duration;
+  return {};
+}
 
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size) {

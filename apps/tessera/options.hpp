@@ -37,8 +37,22 @@ struct AtlasChoice {
   double megapixels = 8.0;
   double bias = 0.0;
   bool pressureBias = true;
+  double biasFloor = 0.0;
+  std::string strategy = "S0";
+  bool merge = true;
+  int superblock = 0;        // texels a side; 0: the engine's default, as for what follows
+  int largestBlock = 0;      // texels a side
+  int largestAspect = 0;     // width to height
+  double highWater = 0.0;    // share of the atlas
+  double hysteresis = -2.0;  // log2; below -1: the default
   std::string format = "srgb8";
   double splitEdges = -1.0;  // negative: the engine's default
+};
+
+struct SpatialChoice {
+  std::optional<std::string> foveate;  // empty, or "x,y"
+  std::string gaze;                    // file
+  std::optional<std::string> lens;     // empty, or "k1,k2"
 };
 
 void addContext(CLI::App& command, ContextChoice& choice);
@@ -46,6 +60,7 @@ void addSize(CLI::App& command, SizeChoice& choice);
 void addCamera(CLI::App& command, CameraChoice& choice);
 void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
+void addSpatial(CLI::App& command, SpatialChoice& choice);
 
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
@@ -59,11 +74,23 @@ std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& s
 /// installed.
 std::filesystem::path assetsFolder();
 
+/// Foveation and lens of a run.
+struct SpatialReuse {
+  PlaceOptions options;
+  std::vector<GazeKey> gaze;  // empty: options.foveation has the one place
+  /// What place() takes at a time, seconds.
+  [[nodiscard]] PlaceOptions at(double time) const;
+};
+Result<SpatialReuse> spatialOf(const SpatialChoice& choice);
+
 /// The views of a run, one a frame, with their times in seconds.
 struct TimedView {
   double time = 0.0;
   View view;
 };
+/// Sets `fps` so that `frames` of them cover the whole path, unless it is above 0 already. Needs a path and
+/// 2 frames.
+Result<void> coverPath(CameraChoice& choice, const Stage* stage);
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size);
 

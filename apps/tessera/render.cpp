@@ -25,6 +25,7 @@ struct RenderOptions {
   CameraChoice camera;
   StageChoice stage;
   AtlasChoice atlas;
+  SpatialChoice spatial;
 };
 
 const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
@@ -41,6 +42,7 @@ FrameRequest requestOf(const RenderOptions& options) {
   request.rect = !request.forward || !options.view.empty();
   request.displayGeometry = options.method != "rect-deferred";
   request.displayDeferred = options.method == "rect-deferred";
+  request.lens = options.spatial.lens.has_value();
   return request;
 }
 
@@ -74,6 +76,8 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
 Result<void> render(const RenderOptions& options) {
   auto size = parseSize(options.size.text);
   if (!size) return tl::unexpected(size.error());
+  auto spatial = spatialOf(options.spatial);
+  if (!spatial) return tl::unexpected(spatial.error());
   auto engineSetup = engineOptions(options.atlas);
   if (!engineSetup) return tl::unexpected(engineSetup.error());
   auto stage = loadStageOf(options.stage);
@@ -104,18 +108,24 @@ Result<void> render(const RenderOptions& options) {
     const TimedView& timed = (*views)[i];
     engine.clearTimes();
     engine.update(timed.time);
-    if (engineSetup->request.forward)
-      engine.forward(timed.view, engineSetup->request.depthPrepass);
-    else
-      engine.rect(timed.view,
-                  engineSetup->request.displayDeferred ? DisplayMode::Deferred : DisplayMode::Geometry);
+    const PlaceOptions reuse = spatial->at(timed.time);
+    if (engineSetup->request.forward) engine.forward(timed.view, engineSetup->request.depthPrepass);
+    if (engineSetup->request.rect) {
+      engine.findVisible({&timed.view, 1});
+      if (auto placed = engine.place({&timed.view, 1}, reuse); !placed) return placed;
+      engine.shade(timed.view);
+    }
     Image picture;
     if (!options.view.empty()) {
-      if (engineSetup->request.forward) engine.rect(timed.view);
       auto debug = engine.debugView(kDebugViews.at(options.view), timed.view);
       if (!debug) return tl::unexpected(debug.error());
       picture = std::move(*debug);
     } else {
+      if (engineSetup->request.rect)
+        engine.display(timed.view,
+                       engineSetup->request.displayDeferred ? DisplayMode::Deferred : DisplayMode::Geometry);
+      if (reuse.lens)
+        if (auto distorted = engine.distort(*reuse.lens); !distorted) return distorted;
       picture = engine.readColor();
     }
     const auto file = numbered(options.output, i, views->size());
@@ -159,6 +169,7 @@ Run addRender(CLI::App& app) {
   addCamera(command, options->camera);
   addStage(command, options->stage);
   addAtlas(command, options->atlas);
+  addSpatial(command, options->spatial);
   return [options] { return render(*options); };
 }
 

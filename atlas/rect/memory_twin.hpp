@@ -28,18 +28,29 @@ struct MemorySnapshot {
   std::vector<AtlasBlock> live;
   std::vector<AtlasBlock> stacked;
   struct Carry {
-    std::uint32_t w = 0;           // log2 width of the columns
+    std::uint32_t w = 0;  // log2 size of the blocks that it is counted in: squares where there are columns
+    std::uint32_t h = 0;
     std::uint32_t superblock = 0;  // number, row by row
-    std::uint32_t used = 0;        // square blocks
+    std::uint32_t used = 0;        // of those blocks
   };
   std::vector<Carry> carried;
   std::vector<std::uint32_t> freeSuperblocks;
+  std::uint64_t inaccessibleTexels = 0;  // freed, but on no stack
 };
 
 /// Paints every texel and fails, naming the first texel that is wrong, unless each one is in exactly one of:
-/// a live block, a stacked block, the unused rest of a carried-over superblock, a free superblock. So no two
-/// overlap.
+/// a live block, a stacked block, the unused rest of a carried-over superblock, a free superblock; as many
+/// texels as are inaccessible are in none of them. So no two overlap.
 Result<void> checkPartition(const MemorySnapshot& snapshot);
+
+/// Which parts of the memory's hierarchy are in use; see AtlasStrategy in atlas/rect/memory.hpp. A reset is
+/// for the caller to make.
+struct TwinOptions {
+  bool columns = true;
+  bool stacks = true;
+  bool merge =
+      false;  // needs both: after each frame siblings of all heights are merged, before it blocks are cut
+};
 
 class MemoryTwin {
  public:
@@ -49,8 +60,9 @@ class MemoryTwin {
     std::uint32_t slotOffset = 0;
     std::uint32_t slotCount = 0;
   };
-  struct Column {
-    std::uint32_t carryOffset = 0;                 // square blocks used in the carried-over superblock
+  /// What fills superblocks one after the other: a width, or a level where there are no columns.
+  struct Bin {
+    std::uint32_t carryOffset = 0;                 // largest blocks used in the carried-over superblock
     std::optional<std::uint32_t> carrySuperblock;  // none before the first
     std::vector<std::optional<std::uint32_t>>
         list;  // sb[w]: the carried-over one, then those popped this frame
@@ -63,7 +75,8 @@ class MemoryTwin {
   };
 
   /// `width` and `height` in texels, multiples of 2^superblockLog2; superblockLog2 >= 1.
-  MemoryTwin(std::uint32_t width, std::uint32_t height, std::uint32_t superblockLog2, std::uint32_t patches);
+  MemoryTwin(std::uint32_t width, std::uint32_t height, std::uint32_t superblockLog2, std::uint32_t patches,
+             const TwinOptions& options = {});
 
   /// One frame: request, provision, assign for the visible patches, each named at most once.
   void frame(std::span<const Want> visible);
@@ -78,7 +91,8 @@ class MemoryTwin {
   [[nodiscard]] const std::optional<AtlasBlock>& blockOf(std::uint32_t patch) const { return blocks_[patch]; }
   [[nodiscard]] std::uint32_t failures() const { return failures_; }
   [[nodiscard]] Level& level(std::uint32_t w, std::uint32_t h) { return levels_[w][h]; }
-  [[nodiscard]] Column& column(std::uint32_t w) { return columns_[w]; }
+  /// The bin that blocks of a level are cut from.
+  [[nodiscard]] Bin& bin(std::uint32_t w, std::uint32_t h) { return bins_[w][options_.columns ? w : h]; }
   [[nodiscard]] std::vector<std::uint32_t>& superblockStack() { return superblocks_; }
   [[nodiscard]] std::uint32_t blocksPerSuperblock(std::uint32_t w, std::uint32_t h) const;
   [[nodiscard]] MemorySnapshot snapshot() const;
@@ -86,6 +100,13 @@ class MemoryTwin {
  private:
   [[nodiscard]] AtlasBlock place(std::uint32_t superblock, std::uint32_t index, std::uint32_t w,
                                  std::uint32_t h) const;
+  [[nodiscard]] std::uint32_t superblockOf(const AtlasBlock& block) const;
+  void giveBack(const AtlasBlock& block);
+  void provisionBin(std::uint32_t w, std::uint32_t top, std::uint32_t bottom);
+  void restartEmpty();
+  bool cutFor(std::uint32_t w, std::uint32_t h);
+  void cutBlocks();
+  void mergeSiblings();
   struct Pending {
     Want want;
     std::uint32_t slot = 0;
@@ -93,9 +114,11 @@ class MemoryTwin {
   std::uint32_t width_;
   std::uint32_t height_;
   std::uint32_t superblockLog2_;
+  TwinOptions options_;
   std::vector<std::vector<Level>> levels_;  // [w][h]
-  std::vector<Column> columns_;             // [w]
+  std::vector<std::vector<Bin>> bins_;      // [w][h]
   std::vector<std::uint32_t> superblocks_;  // free ones, the next to be taken last
+  std::vector<std::uint32_t> liveIn_;       // texels of live blocks, a superblock
   std::vector<std::optional<AtlasBlock>> blocks_;
   std::vector<std::uint32_t> holders_;  // patches with a block
   std::vector<Pending> pending_;

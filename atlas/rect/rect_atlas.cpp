@@ -76,9 +76,9 @@ Result<RectAtlas> RectAtlas::create(gl::ProgramCache& programs, const RectAtlasO
   return atlas;
 }
 
-void RectAtlas::selectLevels(const VisibleSet& visible, std::uint32_t viewCount) {
+void RectAtlas::selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure) {
   visible.bind();
-  memory_.measure(visible.dispatch(), visible.frame(), viewCount);
+  memory_.measure(visible.dispatch(), visible.frame(), viewCount, measure);
 }
 
 void RectAtlas::allocate(const VisibleSet& visible) {

@@ -32,8 +32,9 @@ class RectAtlas {
                                   std::uint32_t patchInstances, std::uint32_t entries,
                                   std::span<const glsl::BatchGpu> batches);
 
-  /// Level of each visible patch; the views are in the uniform buffer BIND_VIEWS.
-  void selectLevels(const VisibleSet& visible, std::uint32_t viewCount);
+  /// Level of each visible patch; the views are in the uniform buffer BIND_VIEWS. `measure`: see
+  /// RectMemory::measure.
+  void selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure = nullptr);
   /// The three phases; afterwards every visible patch has a block or its record texel.
   void allocate(const VisibleSet& visible);
   /// Writes what shading and display draw.

@@ -17,16 +17,25 @@ void setVec2(const gl::Program& program, GLint location, float x, float y) {
 
 }  // namespace
 
-void Engine::place(std::span<const View> views) {
+Result<void> Engine::place(std::span<const View> views, const PlaceOptions& options) {
   State& s = *s_;
-  if (!s.atlas || views.empty()) return;
+  if (options.foveation)
+    if (auto good = check(*options.foveation); !good) return good;
+  if (options.lens)
+    if (auto good = check(*options.lens); !good) return good;
+  if (!s.atlas || views.empty()) return {};
   const auto guard = s.guard();
+  const auto placed = views.first(std::min(views.size(), kMaxViews));
+  auto measure = s.measureProgram(options);
+  if (!measure) return tl::unexpected(measure.error());
   s.bindScene();
-  s.setViews(views);
-  const auto count = static_cast<std::uint32_t>(std::min(views.size(), kMaxViews));
-  s.pass("levels", [&] { s.atlas->selectLevels(*s.visible, count); });
+  s.setViews(placed);
+  if (*measure != nullptr) s.setDensities(placed, options);
+  const auto count = static_cast<std::uint32_t>(placed.size());
+  s.pass("levels", [&] { s.atlas->selectLevels(*s.visible, count, *measure); });
   s.pass("memory", [&] { s.atlas->allocate(*s.visible); });
   s.pass("emit", [&] { s.atlas->emit(*s.visible); });
+  return {};
 }
 
 void Engine::shade(const View& view) {
@@ -58,7 +67,7 @@ void Engine::display(const View& view, DisplayMode mode) {
   const auto guard = s.guard();
   s.bindScene();
   s.setViews({&view, 1});
-  s.picture.resize(view.width, view.height);
+  s.beginPicture(view);
   // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
   // too.
   const glm::vec3& b = s.options.background;

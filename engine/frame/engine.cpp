@@ -120,6 +120,14 @@ void Engine::State::setViews(std::span<const View> views) {
   viewBuffer.write(std::span<const glsl::ViewGpu>(records));
 }
 
+void Engine::State::setDensities(std::span<const View> views, const PlaceOptions& placing) {
+  std::vector<glsl::DensityGpu> records;
+  for (const View& view : views) records.push_back(densityGpu(view, placing));
+  if (!densityBuffer) densityBuffer = gl::Buffer(kMaxViews * sizeof(glsl::DensityGpu));
+  densityBuffer.write(std::span<const glsl::DensityGpu>(records));
+  densityBuffer.bindUniform(BIND_DENSITY);
+}
+
 void Engine::update(double time) {
   State& s = *s_;
   const auto guard = s.guard();
@@ -192,11 +200,11 @@ Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp) 
   return image;
 }
 
-const gl::Texture& Engine::color() const { return s_->picture.color; }
+const gl::Texture& Engine::color() const { return s_->shown().color; }
 
 Image Engine::readColor() const {
   const auto guard = s_->guard();
-  const gl::Texture& texture = s_->picture.encoded;
+  const gl::Texture& texture = s_->shown().encoded;
   return flipped(texture.width(), texture.height(), gl::readTexture(texture, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }
 
@@ -210,10 +218,11 @@ Image Engine::readAtlas() const {
 void Engine::blit(unsigned framebuffer, int x, int y, int width, int height) const {
   const auto guard = s_->guard();
   gl::apply({});
-  const bool same = width == s_->picture.color.width() && height == s_->picture.color.height();
-  gl::api().BlitNamedFramebuffer(s_->picture.encodedFramebuffer.get(), framebuffer, 0, 0,
-                                 s_->picture.color.width(), s_->picture.color.height(), x, y, x + width,
-                                 y + height, GL_COLOR_BUFFER_BIT, same ? GL_NEAREST : GL_LINEAR);
+  const PictureTarget& shown = s_->shown();
+  const bool same = width == shown.color.width() && height == shown.color.height();
+  gl::api().BlitNamedFramebuffer(shown.encodedFramebuffer.get(), framebuffer, 0, 0, shown.color.width(),
+                                 shown.color.height(), x, y, x + width, y + height, GL_COLOR_BUFFER_BIT,
+                                 same ? GL_NEAREST : GL_LINEAR);
 }
 
 const Scene& Engine::scene() const { return s_->scene; }
@@ -235,7 +244,8 @@ std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   const State& s = *s_;
   std::size_t targets = 0;
-  for (const gl::Texture* texture : {&s.picture.color, &s.picture.depth, &s.id.ids, &s.id.depth})
+  for (const gl::Texture* texture :
+       {&s.picture.color, &s.picture.depth, &s.distorted.color, &s.id.ids, &s.id.depth})
     if (*texture) targets += texture->bytes();
   std::vector<std::pair<std::string, std::size_t>> sizes = {
       {"geometry", s.buffers.geometryBytes}, {"textures", s.buffers.textureBytes}, {"targets", targets}};

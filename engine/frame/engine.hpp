@@ -67,20 +67,26 @@ class Engine {
   void update(double time);
   /// The union of what the views see. At most kMaxViews views, all of the size of the first.
   void findVisible(std::span<const View> views);
-  /// Places the visible set for these views (the largest over them counts).
-  void place(std::span<const View> views);
-  /// Shades every placed patch, as seen from `view`'s eye.
+  /// Places the visible set for these views (the largest over them counts), with fewer texels where the
+  /// options say that fewer are seen. The program of a combination of options is compiled at its first use.
+  /// Fails, and leaves everything as it was, where check() of an option or that program fails.
+  Result<void> place(std::span<const View> views, const PlaceOptions& options = {});
+  /// Shades every placed patch, as seen from `view`'s eye. For several views: once, from between them.
   void shade(const View& view);
   /// Draws a view from the atlas into color(). Geometry: any camera, any size. Deferred: the view that
   /// findVisible was last called with.
   /// If the plan (EngineOptions::request) has only the other form, that one draws.
   void display(const View& view, DisplayMode mode = DisplayMode::Geometry);
+  /// Draws the picture of the last display or forward through the lens, at its size; color() is the distorted
+  /// picture from here to the next display or forward. Fails where check(lens) does, without a picture, and
+  /// where the plan has no such pass (FrameRequest::lens).
+  Result<void> distort(const Lens& lens);
   /// The reference. With `depthPrepass`, depth alone is drawn first.
   void forward(const View& view, bool depthPrepass = false);
-  /// findVisible, place, shade and display of one view.
+  /// findVisible, place (without options), shade and display of one view.
   void rect(const View& view, DisplayMode mode = DisplayMode::Geometry);
 
-  /// What display or forward drew last: SRGB8_ALPHA8, alpha 0 where nothing was drawn.
+  /// What display, forward or distort drew last: SRGB8_ALPHA8, alpha 0 where nothing was drawn.
   [[nodiscard]] const gl::Texture& color() const;
   /// Blocking readback of color(), or of the atlas, rows from the top.
   [[nodiscard]] Image readColor() const;

@@ -21,7 +21,7 @@ struct PictureTarget {
   gl::Texture depth;                   // DEPTH_COMPONENT32F
   gl::Framebuffer framebuffer;         // of color
   gl::Framebuffer encodedFramebuffer;  // of encoded: writes are copied as they are
-  void resize(int width, int height);
+  void resize(int width, int height, bool withDepth = true);
 };
 
 /// The id pass's target.
@@ -72,6 +72,7 @@ struct Engine::State {
   LightSet lights;
   std::vector<glsl::LightGpu> uploadedLights;
   gl::Buffer lightBuffer, shadowBuffer, frameBuffer, viewBuffer, drawCommands;
+  gl::Buffer densityBuffer;  // of place() with options
   gl::Texture shadowMap;
   std::vector<gl::Framebuffer> shadowFramebuffers;
   gl::Buffer blendIndices;
@@ -80,10 +81,13 @@ struct Engine::State {
   std::vector<BatchPrograms> batchPrograms;
   std::vector<BlendedPrograms> blendedPrograms;  // one a blended instance
   const gl::Program* deferred = nullptr;
+  const gl::Program* distort = nullptr;
 
   std::optional<VisibleSet> visible;
   std::optional<RectAtlas> atlas;
   PictureTarget picture;
+  PictureTarget distorted;   // of distort(), without depth
+  bool throughLens = false;  // which of the two color() is
   IdTarget id;
 
   std::vector<PassTime> times;
@@ -131,8 +135,15 @@ struct Engine::State {
   }
 
   Result<void> compile();
+  [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
+  /// Makes the undistorted picture the one that is drawn to and shown.
+  void beginPicture(const View& view);
   void bindScene();
   void setViews(std::span<const View> views);
+  /// The permutation of the measuring pass for these options; null for the plain one.
+  Result<const gl::Program*> measureProgram(const PlaceOptions& placing);
+  /// Uploads and binds what that permutation reads of each view.
+  void setDensities(std::span<const View> views, const PlaceOptions& placing);
   [[nodiscard]] DrawList visibleDraws(const glm::dmat4& toClip) const;
   /// Uploads the list's commands and makes them current.
   void useCommands(const DrawList& list);

@@ -26,18 +26,24 @@ void beginPass(const gl::Framebuffer& framebuffer, int width, int height, const 
 
 }  // namespace
 
-void PictureTarget::resize(int width, int height) {
+void PictureTarget::resize(int width, int height, bool withDepth) {
   if (color && color.width() == width && color.height() == height) return;
   *this = {};
   color = gl::Texture(GL_SRGB8_ALPHA8, width, height);
   color.filter(GL_LINEAR, GL_LINEAR);
   color.wrap(GL_CLAMP_TO_EDGE);
   encoded = color.view(GL_RGBA8);
-  depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
+  if (withDepth) depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
+  const gl::Texture* attached = withDepth ? &depth : nullptr;
   const std::array<const gl::Texture*, 1> colors = {&color};
   const std::array<const gl::Texture*, 1> raw = {&encoded};
-  framebuffer = gl::Framebuffer(colors, &depth);
-  encodedFramebuffer = gl::Framebuffer(raw, &depth);
+  framebuffer = gl::Framebuffer(colors, attached);
+  encodedFramebuffer = gl::Framebuffer(raw, attached);
+}
+
+void Engine::State::beginPicture(const View& view) {
+  picture.resize(view.width, view.height);
+  throughLens = false;
 }
 
 void IdTarget::resize(int width, int height) {
@@ -153,7 +159,7 @@ void Engine::forward(const View& view, bool depthPrepass) {
   const auto guard = s.guard();
   s.bindScene();
   s.setViews({&view, 1});
-  s.picture.resize(view.width, view.height);
+  s.beginPicture(view);
   const DrawList list = s.visibleDraws(viewProjection(view, s.anchor));
   gl::DrawState state{.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = true};
   const bool prepass = depthPrepass && s.graph.find("depth-prepass") != nullptr;

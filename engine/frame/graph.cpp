@@ -172,6 +172,14 @@ FrameGraph planFrame(const SceneFeatures& features, const FrameRequest& request)
     }
     outputs.emplace_back("forward-color");
   }
+  if (request.lens) {
+    std::vector<Use> reads;
+    for (const std::string& picture : outputs) reads.push_back({picture, Access::Texture});
+    if (!reads.empty()) {
+      graph.add({"distort", "display", reads, {{"lens-color", Access::Image}}});
+      outputs.emplace_back("lens-color");
+    }
+  }
   graph.keep(outputs);
   return graph;
 }

@@ -64,6 +64,7 @@ struct FrameRequest {
   bool displayDeferred = false;  // display from the id buffer; with rect only
   bool forward = false;
   bool depthPrepass = false;  // with forward
+  bool lens = false;          // draw the picture of rect or forward through a lens
 };
 
 struct SceneFeatures;

@@ -57,8 +57,17 @@ Result<void> Engine::State::compile() {
     if (options.atlas.format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
     deferred = get({"pass/display_deferred.comp"}, defines);
   }
+  if (has("distort")) distort = get({"pass/distort.comp"}, {});
   if (!error.empty()) return fail("{}", error);
   return {};
+}
+
+Result<const gl::Program*> Engine::State::measureProgram(const PlaceOptions& placing) {
+  gl::Defines defines;
+  if (placing.foveation) defines["FOVEATE"] = "1";
+  if (placing.lens) defines["LENS"] = "1";
+  if (defines.empty()) return nullptr;
+  return programs.get({"pass/rect_measure.comp"}, defines);
 }
 
 }  // namespace tessera

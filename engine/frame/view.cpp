@@ -72,6 +72,14 @@ View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int 
   return view;
 }
 
+std::array<View, 2> stereoViews(const View& centre, double eyeDistance) {
+  const glm::dvec3 right = glm::normalize(glm::cross(centre.forward, centre.up));
+  std::array<View, 2> eyes = {centre, centre};
+  eyes[0].eye -= right * (0.5 * eyeDistance);
+  eyes[1].eye += right * (0.5 * eyeDistance);
+  return eyes;
+}
+
 View autoView(const Scene& scene, int width, int height) {
   constexpr double kFovY = 45.0;
   constexpr double kMargin = 1.05;
@@ -115,6 +123,30 @@ glsl::ViewGpu viewGpu(const View& view, const glm::dvec3& anchor) {
   gpu.viewProjection = glm::mat4(viewProjection(view, anchor));
   gpu.eye = glm::vec4(glm::vec3(view.eye - anchor), static_cast<float>(view.pixelsPerRadian()));
   return gpu;
+}
+
+glsl::DensityGpu densityGpu(const View& view, const PlaceOptions& options) {
+  glsl::DensityGpu gpu{};
+  gpu.axis = glm::vec4(glm::vec3(view.forward), 0.0f);
+  if (options.foveation) {
+    const Foveation& f = *options.foveation;
+    gpu.gaze = glm::vec4(glm::vec3(gazeDirection(view, f.gaze)), 0.0f);
+    gpu.acuity = glm::vec4(static_cast<float>(f.slope), static_cast<float>(f.smallest),
+                           glsl::degreesPerCycle(static_cast<float>(view.pixelsPerRadian())), 0.0f);
+  }
+  if (options.lens) {
+    // Sec. 4.4: n is the angle from the centre, normalized by the field of view: here half of that from
+    // corner to corner, where display has the undistorted radius lensFill(lens).
+    const double tanY = std::tan(view.fovY * 0.5);
+    const double corner = std::atan(tanY * std::hypot(1.0, aspectOf(view)));
+    gpu.lens = glm::vec4(options.lens->k1, options.lens->k2, lensFill(*options.lens) / corner, 0.0);
+  }
+  return gpu;
+}
+
+glm::dvec3 gazeDirection(const View& view, const glm::dvec2& place) {
+  return glm::normalize(pixelToRay(view) *
+                        glm::dvec3(1.0, place.x * view.width, (1.0 - place.y) * view.height));
 }
 
 glm::dmat3 pixelToRay(const View& view) {

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include <glm/glm.hpp>
 
+#include "engine/measure/acuity.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/stage.hpp"
+#include "glsl/shared/acuity.h"
 #include "glsl/shared/scene.h"
 
 namespace tessera {
@@ -25,10 +28,36 @@ struct View {
   [[nodiscard]] double pixelsPerRadian() const { return static_cast<double>(height) / fovY; }
 };
 
+/// A radial lens that the picture is seen through; display draws the picture distorted the other way round.
+/// Coordinates count from the picture's centre, 1 at its corners, so that no coordinate passes 1. The output
+/// shows at radius d what the picture has at channelScale * d (1 + k1 d^2 + k2 d^4) / fill (Mueller 2021, eq.
+/// 4.4), fill = (1 + k1 + k2) * the largest channelScale: a barrel lens fills the output, its corners showing
+/// the picture's, and what lies outside the picture (k1, k2 below 0) is black with alpha 0.
+struct Lens {
+  double k1 = 0.22;  // [-10, 10]; d (1 + k1 d^2 + k2 d^4) must rise over all of 0..1
+  double k2 = 0.24;  // [-10, 10]
+  glm::dvec3 channelScale{0.996, 1.0, 1.014};  // red, green, blue: radius in the picture, [0.5, 2] each
+};
+
+/// Fails for a lens that folds, or with the number that is outside its range.
+Result<void> check(const Lens& lens);
+/// The undistorted radius that display puts at the output's corners.
+double lensFill(const Lens& lens);
+
+/// What levels follow beside the views' distances. Absent is off, and costs nothing.
+struct PlaceOptions {
+  std::optional<Foveation> foveation =
+      std::nullopt;  // the gaze is a place in each view's own picture, before any lens
+  std::optional<Lens> lens = std::nullopt;
+};
+
 /// A view from an eye towards a target. `up` is +y, or -z when looking straight up or down.
 View lookAt(const glm::dvec3& eye, const glm::dvec3& target, double fovYDegrees, int width, int height,
             double zNear);
 View viewOf(const CameraKey& key, int width, int height, double zNear);
+/// Two parallel eyes, left and right, each half of `eyeDistance` metres from the centre. Visibility, levels
+/// and display take the pair; shading is once, and best from `centre`: neither eye's highlights are favoured.
+std::array<View, 2> stereoViews(const View& centre, double eyeDistance);
 /// The scene's camera `index` at the state's time. Orthographic cameras become a narrow perspective from
 /// farther off.
 View viewOf(const Scene& scene, const SceneState& state, std::size_t index, int width, int height,
@@ -41,9 +70,13 @@ double defaultNear(const Scene& scene);
 /// Rotation and projection, from positions relative to `anchor` to clip space; computed in double.
 glm::dmat4 viewProjection(const View& view, const glm::dvec3& anchor);
 glsl::ViewGpu viewGpu(const View& view, const glm::dvec3& anchor);
+/// What level selection reads of a view when options are on; fields of an absent option are not read.
+glsl::DensityGpu densityGpu(const View& view, const PlaceOptions& options);
 /// Columns c0, c1, c2: the ray through (x, y) in pixels from the bottom left is c0 + x c1 + y c2, relative to
 /// the eye.
 glm::dmat3 pixelToRay(const View& view);
+/// The unit direction of a place in the view's picture, a share of it from its top left.
+glm::dvec3 gazeDirection(const View& view, const glm::dvec2& place);
 
 /// The planes of a frustum (five without a far plane), positive inside, from a matrix to clip space with
 /// depth in [0, w].

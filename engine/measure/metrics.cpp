@@ -90,6 +90,33 @@ Result<MetricMap> mssim(const Image& reference, const Image& test) {
   return result;
 }
 
+Result<MetricMap> mssim(const Image& reference, const Image& test, std::span<const float> weights) {
+  auto result = mssim(reference, test);
+  if (!result) return result;
+  if (weights.size() * 4 != reference.pixels.size())
+    return fail("MSSIM: {} weights for an image of {} x {} pixels", weights.size(), reference.width,
+                reference.height);
+  for (const float weight : weights)
+    if (!(weight >= 0.0f && std::isfinite(weight))) return fail("MSSIM: a weight of {}", weight);
+  // A window counts by its middle.
+  const int left = (reference.width - result->width) / 2;
+  const int top = (reference.height - result->height) / 2;
+  double sum = 0.0;
+  double total = 0.0;
+  std::size_t i = 0;
+  for (int y = 0; y < result->height; ++y) {
+    const float* row =
+        weights.data() + static_cast<std::size_t>(y + top) * static_cast<std::size_t>(reference.width) + left;
+    for (int x = 0; x < result->width; ++x, ++i) {
+      sum += static_cast<double>(row[x]) * static_cast<double>(result->map[i]);
+      total += static_cast<double>(row[x]);
+    }
+  }
+  if (!(total > 0.0)) return fail("MSSIM: the weights of all windows are 0");
+  result->mean = sum / total;
+  return result;
+}
+
 Result<double> psnr(const Image& reference, const Image& test) {
   if (auto checked = checkPair("PSNR", reference, test); !checked) return tl::unexpected(checked.error());
   std::uint64_t squares = 0;  // at most 2^26 pixels * 3 * 255^2 < 2^44: exact

@@ -1,6 +1,7 @@
 // Image metrics: MSSIM, PSNR and FLIP of two 8-bit images. No GL.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "engine/core/result.hpp"
@@ -22,6 +23,10 @@ struct MetricMap {
 /// use the largest window that fits. Values in -1..1, 1 where the windows are equal. Fails when sizes differ
 /// or an image is empty.
 Result<MetricMap> mssim(const Image& reference, const Image& test);
+/// The same map with a weighted mean: `weights` is width * height of the images, rows from the top, each
+/// finite and >= 0, one a pixel; a window counts by the pixel at its middle. Fails also where weights do not
+/// fit or are all 0.
+Result<MetricMap> mssim(const Image& reference, const Image& test, std::span<const float> weights);
 /// DSSIM = (1 - MSSIM) / 2.
 inline double dssim(double mssimMean) { return (1.0 - mssimMean) * 0.5; }
 /// PSNR over the three colour channels in dB; infinity for equal images. Fails as mssim does.

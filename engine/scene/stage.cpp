@@ -34,6 +34,7 @@ constexpr Range kFovY{1.0, 170.0};       // degrees
 constexpr Range kUnit{0.0, 1.0};         // light colour
 constexpr Range kRadiance{0.0, 1e6};     // ambient
 constexpr Range kIntensity{0.0, 1e9};    // lux or candela
+constexpr Range kShare{-10.0, 10.0};     // of a picture, seen or not
 constexpr Range kExposure{1e-6, 1e6};
 constexpr Range kLightRange{1e-3, 1e7};  // metres
 constexpr Range kConeDegrees{0.0, 90.0};
@@ -282,9 +283,9 @@ Ambient readAmbient(const Element& element) {
 }
 
 /// Index of the last key at or before `time`, or nothing before the first.
-template <class Key>
-std::optional<std::size_t> keyBefore(const std::vector<Key>& keys, double time) {
-  const auto next = std::ranges::upper_bound(keys, time, {}, &Key::time);
+template <class Keys>
+std::optional<std::size_t> keyBefore(const Keys& keys, double time) {
+  const auto next = std::ranges::upper_bound(keys, time, {}, &std::ranges::range_value_t<Keys>::time);
   if (next == keys.begin()) return std::nullopt;
   return static_cast<std::size_t>(next - keys.begin()) - 1;
 }
@@ -402,6 +403,33 @@ Result<CameraPath> loadCameraPath(const std::filesystem::path& path) {
   CameraPath camera{path.stem().string(), readCameraKeys(root.at("keyframes"))};
   if (error) return tl::unexpected(*error);
   return camera;
+}
+
+Result<std::vector<GazeKey>> loadGaze(const std::filesystem::path& path) {
+  const Result<Json> json = parseFile(path);
+  if (!json) return tl::unexpected(json.error());
+  const std::string file = path.string();
+  std::optional<Error> error;
+  std::vector<GazeKey> keys;
+  for (const Element& element : Element(*json, "", error, file).list(kMaxKeys)) {
+    element.onlyKeys({"time", "x", "y"});
+    GazeKey key;
+    key.time = nextTime(element.at("time"), keys.empty(), keys.empty() ? 0.0 : keys.back().time);
+    key.place = {element.at("x").number(kShare), element.at("y").number(kShare)};
+    keys.push_back(key);
+  }
+  if (error) return tl::unexpected(*error);
+  return keys;
+}
+
+glm::dvec2 sampleGaze(std::span<const GazeKey> keys, double time) {
+  assert(!keys.empty());
+  const std::optional<std::size_t> before = keyBefore(keys, time);
+  if (!before) return keys.front().place;
+  const GazeKey& a = keys[*before];
+  if (*before + 1 == keys.size()) return a.place;
+  const GazeKey& b = keys[*before + 1];
+  return glm::mix(a.place, b.place, (time - a.time) / (b.time - a.time));
 }
 
 CameraKey sampleCamera(const CameraPath& path, double time) {

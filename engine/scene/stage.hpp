@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ struct CameraKey {
 struct CameraPath {
   std::string name;
   std::vector<CameraKey> keys;  // at least one
+};
+
+/// Where someone looked at a time.
+struct GazeKey {
+  double time = 0.0;      // seconds, strictly increasing along a recording
+  glm::dvec2 place{0.5};  // share of the picture from its top left, [-10, 10]
 };
 
 struct Ambient {
@@ -73,7 +80,12 @@ Result<Stage> loadStage(const std::filesystem::path& path);
 /// Reads a bare path file: {"keyframes": [{"t", "eye", "target", "fov_y"}]}.
 Result<CameraPath> loadCameraPath(const std::filesystem::path& path);
 
+/// Reads an eye tracker's recording: [{"time", "x", "y"}, ...], at least one key.
+Result<std::vector<GazeKey>> loadGaze(const std::filesystem::path& path);
+
 CameraKey sampleCamera(const CameraPath& path, double time);
+/// Linear between keys, held before the first and after the last. `keys` is not empty.
+glm::dvec2 sampleGaze(std::span<const GazeKey> keys, double time);
 /// All lights of scene and stage at the state's time, scene lights first. `stage` may be null.
 std::vector<LightSample> evaluateLights(const Scene& scene, const SceneState& state, const Stage* stage,
                                         double time);

@@ -10,8 +10,31 @@ uint takeSlot(uint w, uint h, LevelState level, uint slot) {
   uint perSuperblockLog2 = 2u * atlas.config.superblockLog2 - w - h;
   uint number = place >> perSuperblockLog2;
   uint index = place & ((1u << perSuperblockLog2) - 1u);
-  uint superblock = number == 0u ? atlas.widths[w].sourceSuperblock : atlas.widths[w].firstPopped + number - 1u;
+  uint bin = binOf(atlas.config, w, h);
+  uint superblock = number == 0u ? atlas.bins[bin].sourceSuperblock
+                                 : superblockWords[atlas.bins[bin].firstPopped - (number - 1u)];
   return blockOrigin(atlas.config, superblock, index, w, h);
+}
+
+bool popBlock(uint l, out uint origin) {
+  int place = atomicAdd(atlas.levels[l].stackCount, -1) - 1;
+  if (place >= 0) {
+    origin = stackEntries[atlas.levels[l].stackBase + uint(place)];
+    return true;
+  }
+  atomicAdd(atlas.levels[l].stackCount, 1);
+  return false;
+}
+
+// Where a level has no block left, one of half the width and height is a better picture than a texel. Whoever that block
+// was meant for goes down in turn.
+bool popSmaller(inout uint w, inout uint h, out uint origin) {
+  while (w > 1u || h > 0u) {
+    w = max(w - 1u, 1u);
+    h -= min(h, 1u);
+    if (popBlock(levelIndex(w, h), origin)) return true;
+  }
+  return false;
 }
 
 void main() {
@@ -29,16 +52,16 @@ void main() {
   uint origin;
   if (slot < level.slotCount) {
     origin = takeSlot(w, h, level, slot);
+    if (atlas.config.stacks == 0u)
+      atomicAdd(superblockWords[liveWord(superblockAt(atlas.config, origin))], 1u << (w + h));
+  } else if (popBlock(l, origin)) {
+  } else if (atlas.config.merges != 0u && popSmaller(w, h, origin)) {
+    size = packLevel(w, h, (size & kLevelTransposed) != 0u);
+    atomicAdd(atlas.events.reduced, 1u);
   } else {
-    int place = atomicAdd(atlas.levels[l].stackCount, -1) - 1;
-    if (place >= 0) {
-      origin = stackEntries[level.stackBase + uint(place)];
-    } else {
-      atomicAdd(atlas.levels[l].stackCount, 1);
-      atomicAdd(atlas.failures, 1u);
-      size = 0u;
-      origin = recordOrigin(atlas.config, patchId);
-    }
+    atomicAdd(atlas.events.failures, 1u);
+    size = 0u;
+    origin = recordOrigin(atlas.config, patchId);
   }
   patchStates[patchId].origin = origin;
   patchStates[patchId].level = size;

@@ -1,26 +1,32 @@
-// Opens a frame of the memory phases: the bias, the target S, and whether all memory is freed. One group.
-// A reset is asked for by the caller, or by pressure: the last frame failed a request, or cut more of the atlas into
-// blocks than the high-water mark. Resets by pressure that follow each other without a calm frame between wait twice
-// as long each time: where memory is too small for the demand, a reset every frame would buy nothing but flicker.
+// Opens a frame of the memory phases: the bias, the target S, whether all memory is freed, and what is merged. One group.
 #include "lib/rect_state.glsl"
 
 layout(local_size_x = 128) in;
-layout(location = LOCATION_COUNT) uniform uint uResetAsked;
-
-const uint kLongestWait = 64u;
+layout(location = LOCATION_COUNT) uniform uint uAsked;  // bit 0: the caller wants a reset; bit 1: resets are held back
 
 shared bool freeing;
 
 float biasOfVisible() {
   uint low = 0u;
   uint high = 0u;
-  uint ones = 0u;
+  uint least = 0u;
   for (uint part = 0u; part < kIdealSums; ++part) {
     low += atlas.ideal[part].low;
     high += atlas.ideal[part].high + (low < atlas.ideal[part].low ? 1u : 0u);
-    ones += atlas.ideal[part].ones;
+    least += atlas.ideal[part].ones;
   }
-  return pressureBias(low, high, ones, atlas.target);
+  return pressureBias(low, high, least * smallestTexels(atlas.config.range), atlas.pressure.target,
+                      atlas.config.lowestBias);
+}
+
+// Texels of live blocks, for the soft mark. Where free blocks are merged and cut
+// they serve other sizes; where not, S follows resets alone, as published.
+float takenTexels() {
+  if (atlas.config.merges == 0u) return 0.0;
+  uint taken = atlas.cutTexels;
+  for (uint w = 1u; w <= atlas.config.superblockLog2; ++w)
+    for (uint h = 0u; h <= w; ++h) taken -= uint(atlas.levels[levelIndex(w, h)].stackCount) << (w + h);
+  return float(taken);
 }
 
 bool openFrame() {
@@ -30,29 +36,34 @@ bool openFrame() {
   atlas.requestGroupsY = 1u;
   atlas.requestGroupsZ = 1u;
 
-  float texels = float(config.width) * float(config.height);
-  bool pressure = atlas.failures > 0u || float(atlas.cutTexels) > config.highWater * texels;
-  uint since = atlas.sinceReset + 1u;
-  bool byPressure = pressure && since >= atlas.resetWait;
-  if (!pressure) {
-    atlas.resetWait = 1u;
-    atlas.target = min(atlas.target * config.targetGrowth, config.targetLargest);
-  } else if (byPressure) {
-    atlas.resetWait = min(2u * atlas.resetWait, kLongestWait);
-    if (config.pressure != 0u) atlas.target = max(atlas.target * config.targetCut, config.targetSmallest);
-  }
-  bool reset = uResetAsked != 0u || byPressure;
-  atlas.sinceReset = reset ? 0u : since;
+  PressureState pressure = stepPressure(atlas.pressure, config.pressure, atlas.events.failures + atlas.events.reduced > 0u,
+                                        float(atlas.cutTexels), takenTexels(), atlas.pressureBias > config.lowestBias,
+                                        (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
+  atlas.pressure = pressure;
+  bool reset = pressure.reset != 0u;
   if (reset) {
     ++atlas.resets;
     ++atlas.epoch;  // frees every block at once: what a patch state says of an older epoch no longer holds
-    atlas.superblocksUsed = 0u;
+    atlas.superblocksFree = config.superblocks;
     atlas.cutTexels = 0u;
   }
-  atlas.pressureBias = config.pressure != 0u ? biasOfVisible() : 0.0;
-  atlas.failures = 0u;
+  // A height a frame: siblings merge into a block of the next height, which has its turn in the next frame.
+  uint height = atlas.mergeHeight >= config.superblockLog2 ? 0u : atlas.mergeHeight + 1u;
+  bool merging = config.merges != 0u && atlas.cutTexels > config.mergeLoad;
+  atlas.mergeHeight = height;
+  atlas.mergeGroupsX = merging ? config.superblockLog2 + 1u - max(height, 1u) : 0u;
+  atlas.mergeGroupsY = 1u;
+  atlas.mergeGroupsZ = 1u;
+
+  atlas.pressureBias = config.biased != 0u ? biasOfVisible() : 0.0;
+  atlas.events = AtlasEvents(0u, 0u, 0u, 0u, 0u, 0u);
   ++atlas.frames;
   return reset;
+}
+
+void freeBin(uint bin, uint largest) {
+  atlas.bins[bin].carryOffset = largest;  // a full superblock that does not exist
+  atlas.bins[bin].carrySuperblock = kNoSuperblock;
 }
 
 void main() {
@@ -65,12 +76,19 @@ void main() {
     atlas.ideal[i].ones = 0u;
   }
   if (!freeing) return;
-  if (i < kLevels) {
-    atlas.levels[i].stackCount = 0;
-    atlas.levels[i].existing = 0u;
+  uint log2Size = atlas.config.superblockLog2;
+  for (uint w = 1u; w <= log2Size; ++w) {
+    if (i > w) continue;
+    uint l = levelIndex(w, i);
+    atlas.levels[l].stackCount = 0;
+    atlas.levels[l].existing = 0u;
+    atlas.levels[l].lost = 0u;
+    if (atlas.config.columns == 0u) freeBin(l, blocksPerSuperblock(log2Size, w, i));
+    else if (i == w) freeBin(w, blocksPerSuperblock(log2Size, w, w));
   }
-  if (i <= atlas.config.superblockLog2) {
-    atlas.widths[i].carryOffset = blocksPerSuperblock(atlas.config.superblockLog2, i, i);
-    atlas.widths[i].carrySuperblock = kNoSuperblock;
+  // The lowest on top: what is used stays together.
+  for (uint s = i; s < atlas.config.superblocks; s += gl_WorkGroupSize.x) {
+    superblockWords[s] = atlas.config.superblocks - 1u - s;
+    superblockWords[liveWord(s)] = 0u;
   }
 }

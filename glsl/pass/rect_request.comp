@@ -1,5 +1,5 @@
 // Request phase (Mueller 2021, Alg. 1): a thread a patch that is visible or was in the last frame. Blocks that are no
-// longer needed go on the stack of their level; patches that need one draw a slot number. Nothing is taken here.
+// longer needed are given back; patches that need one draw a slot number. Nothing is taken here.
 #include "lib/rect_state.glsl"
 
 layout(local_size_x = RECT_GROUP) in;
@@ -13,24 +13,34 @@ void release(uint patchId) {
   if (patchStates[patchId].epoch != atlas.epoch) return;
   uint level = patchStates[patchId].level;
   if (levelWidth(level) == 0u) return;
-  pushBlock(level, patchStates[patchId].origin);
+  giveBack(level, patchStates[patchId].origin);
+  atomicAdd(atlas.events.freed, 1u);
   patchStates[patchId].origin = recordOrigin(atlas.config, patchId);
   patchStates[patchId].level = 0u;
 }
 
 void request(uint patchId, PatchMeasure measure) {
   uint current = patchStates[patchId].level;
-  bool known = patchStates[patchId].epoch == atlas.epoch;
-  uint level = selectLevel(measure, atlas.config.constantBias, atlas.pressureBias, atlas.config.superblockLog2,
-                           current, known ? atlas.config.hysteresis : -1.0);
-  if (known) {
-    if ((current & kLevelSize) == (level & kLevelSize)) {
-      if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
-      return;
-    }
-    if (levelWidth(current) > 0u) pushBlock(current, patchStates[patchId].origin);
+  uint epoch = patchStates[patchId].epoch;
+  bool known = epoch == atlas.epoch;
+  uint level = selectLevel(measure, atlas.config.constantBias, atlas.pressureBias, atlas.config.range, current,
+                           known ? atlas.config.hysteresis : -1.0);
+  if (known && (current & kLevelSize) == (level & kLevelSize)) {
+    if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
+    return;
   }
-  if (levelWidth(level) > 0u) {
+  // It had a block in the last frame, which a reset may have taken: blocks of what goes out of sight are given back
+  // at once, and a block of the last epoch can only have been held up to this frame's reset.
+  bool held = levelWidth(current) > 0u && (known || (epoch + 1u == atlas.epoch && atlas.pressure.reset != 0u));
+  if (known && held) giveBack(current, patchStates[patchId].origin);
+  bool asks = levelWidth(level) > 0u;
+  if (held && asks) {
+    atomicAdd(atlas.events.moved, 1u);
+    atomicAdd(atlas.events.movedTexels, levelTexels(level));
+  } else if (held) {
+    atomicAdd(atlas.events.freed, 1u);
+  }
+  if (asks) {
     uint slot = atomicAdd(atlas.levels[levelIndexOf(level)].requested, 1u);
     patchStates[patchId] = PatchState(slot, level | kLevelPending, atlas.epoch);
   } else {

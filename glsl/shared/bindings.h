@@ -13,6 +13,10 @@
 #define BIND_PATCHES 7         // PatchGeometry[]
 #define BIND_PATCH_INSTANCE 8  // uint[patch instances]: which InstanceGpu
 
+// Shader storage: the rectangular atlas (more below)
+#define BIND_ATLAS_SUPERBLOCKS 9 // uint[2 * superblocks]: the stack of free ones; texels live in each (without block stacks)
+#define BIND_ATLAS_MERGE 10      // uint[]: a bit for each pair of texels, see rect_merge.comp
+
 // Shader storage: the visible set
 #define BIND_VISIBLE 11      // uint count, then uint[] patch-instance ids
 #define BIND_VISIBLE_MARK 12 // uint[patch instances]: the frame in which it was last visible
@@ -20,7 +24,7 @@
 // Shader storage: the rectangular atlas
 #define BIND_PATCH_STATE 13   // PatchState[patch instances]
 #define BIND_ATLAS_STATE 14   // AtlasState: counters, bias, carried-over superblocks
-#define BIND_ATLAS_STACKS 15  // uint[]: entries of all block stacks and of the superblock stack
+#define BIND_ATLAS_STACKS 15  // uint[]: entries of all block stacks
 #define BIND_PATCH_MEASURE 16 // PatchMeasure[visible]
 #define BIND_ATLAS_LIVE 17    // uint count, then uint[] patch-instance ids that may hold a block
 
@@ -42,12 +46,14 @@
 #define BIND_LIGHTS 2    // LightGpu[kMaxLights]
 #define BIND_SHADOWS 3   // ShadowGpu[kMaxShadowLayers]
 #define BIND_MATERIAL 4  // one MaterialGpu
-#define BIND_UNIFORM_COUNT 5
+#define BIND_DENSITY 5   // DensityGpu[views], with foveation or a lens only
+#define BIND_UNIFORM_COUNT 6
 
 // Texture units
 #define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu
 #define UNIT_SHADOW 5
 #define UNIT_ATLAS 6
+#define UNIT_PICTURE 6   // no pass reads both
 #define UNIT_ID 7
 #define UNIT_DEPTH 8
 #define UNIT_COUNT 9
@@ -58,5 +64,7 @@
 #define LOCATION_SIZE 3
 #define LOCATION_FRAME 4
 #define LOCATION_BACKGROUND 5
+#define LOCATION_LENS 6
+#define LOCATION_CHANNELS 7
 
 #endif

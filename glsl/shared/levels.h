@@ -155,35 +155,51 @@ SHARED_FN uint levelHeight(uint level) { return (level >> 4u) & 15u; }
 SHARED_FN bool levelTransposed(uint level) { return (level & kLevelTransposed) != 0u; }
 SHARED_FN uint levelTexels(uint level) { return 1u << (levelWidth(level) + levelHeight(level)); }
 
-// The largest |w - h| that levels of log2 area `area` can have when no side passes 2^maxLog2.
-SHARED_FN int widestAspect(int area, int maxLog2) { return min(area, 2 * maxLog2 - area); }
+// The block sizes that may be chosen, log2 of texels.
+struct LevelRange {
+  uint smallest;  // no side is shorter; 0 allows blocks of one texel
+  uint largest;   // no side is longer; at most kMaxBlockLog2
+  uint aspect;    // w - h is at most this; at least 1, or areas that are odd powers of two would have no block
+};
+
+// The largest w - h that blocks of log2 area `area` can have; of the parity of `area`.
+SHARED_FN int widestAspect(int area, LevelRange range) {
+  int fits = min(area - 2 * int(range.smallest), 2 * int(range.largest) - area);
+  int most = int(range.aspect);
+  return min(fits, most - ((most ^ area) & 1));
+}
 
 // The level nearest to a measure under two biases: log2 area minus them rounded, then log2 aspect rounded to
-// the same parity, both within blocks of 1 to 2^maxLog2 texels a side (Mueller 2021, eq. 3.2). `pressure` is
-// taken off what the largest block leaves of the area, as pressureBias counts it: else patches larger than
-// that would not shrink at all. `previous` is kept while the ideal lies within half a step plus `hysteresis`
-// (in log2 of area, and of aspect) of it; pass hysteresis < 0 for none.
-SHARED_FN uint selectLevel(PatchMeasure measure, float bias, float pressure, uint maxLog2, uint previous,
+// the same parity, both within the range (Mueller 2021, eq. 3.2). `pressure` is taken off what the largest
+// block leaves of the area, as pressureBias counts it: else patches larger than that would not shrink at all.
+// `previous` is kept while the ideal lies within half a step plus `hysteresis` (in log2 of area, and of aspect)
+// of it; pass hysteresis < 0 for none. What is not a number becomes the smallest block.
+SHARED_FN uint selectLevel(PatchMeasure measure, float bias, float pressure, LevelRange range, uint previous,
                            float hysteresis) {
-  int maximum = int(maxLog2);
+  float smallest = float(2u * range.smallest);
+  float largest = float(2u * range.largest);
+  uint least = packLevel(range.smallest, range.smallest, false);
   float ideal = measure.logArea - bias;
-  if (!isFiniteNumber(ideal)) return 0u;
-  float wanted = min(ideal, float(2 * maximum)) - pressure;
+  if (!isFiniteNumber(ideal)) return least;
+  float wanted = min(ideal, largest) - pressure;
   float aspect = measure.logAspect;
-  if (!isFiniteNumber(wanted) || !isFiniteNumber(aspect)) return 0u;
-  float idealArea = clamp(wanted, kLevelZero, float(2 * maximum));
+  if (!isFiniteNumber(wanted) || !isFiniteNumber(aspect)) return least;
+  float idealArea = clamp(wanted, smallest, largest);
   if (hysteresis >= kLevelZero) {
     int w = int(levelWidth(previous));
     int h = int(levelHeight(previous));
     int spread = levelTransposed(previous) ? h - w : w - h;
-    float limit = float(widestAspect(w + h, maximum));
-    // Aspects of one parity lie two apart, so half a step is 1.
-    if (w <= maximum && abs(idealArea - float(w + h)) <= kLevelHalf + hysteresis &&
+    int widest = widestAspect(w + h, range);
+    float limit = float(widest);
+    // Aspects of one parity lie two apart, so half a step is 1. The record of a failed request may lie outside
+    // of the range.
+    if (h >= int(range.smallest) && h <= w && w <= int(range.largest) && w - h <= widest &&
+        abs(idealArea - float(w + h)) <= kLevelHalf + hysteresis &&
         abs(clamp(aspect, -limit, limit) - float(spread)) <= kLevelOne + hysteresis)
       return previous & (kLevelSize | kLevelTransposed);
   }
   int area = int(floor(idealArea + kLevelHalf));
-  int widest = widestAspect(area, maximum);
+  int widest = widestAspect(area, range);
   float idealAspect = clamp(aspect, -float(widest), float(widest));
   // widest has the parity of area, so rounding to that parity cannot leave the range.
   int spread = area + 2 * int(floor((idealAspect - float(area)) / float(2) + kLevelHalf));
@@ -191,29 +207,33 @@ SHARED_FN uint selectLevel(PatchMeasure measure, float bias, float pressure, uin
   return packLevel(uint(area + wide) / 2u, uint(area - wide) / 2u, spread < 0);
 }
 
+// Texels of the smallest block: what no bias makes smaller.
+SHARED_FN uint smallestTexels(LevelRange range) { return 1u << (2u * range.smallest); }
+
 // The ideal block area of a patch in whole texels, clamped to the smallest and the largest block: its share
 // of I.
-SHARED_FN uint idealTexels(PatchMeasure measure, float bias, uint maxLog2) {
+SHARED_FN uint idealTexels(PatchMeasure measure, float bias, LevelRange range) {
   float wanted = measure.logArea - bias;
-  if (!isFiniteNumber(wanted)) return 1u;
-  // Rounded in log2 like the level, a patch below this becomes one texel.
-  if (wanted < kLevelHalf) return 1u;
-  return uint(exp2(min(wanted, float(2u * maxLog2))) + kLevelHalf);
+  if (!isFiniteNumber(wanted)) return smallestTexels(range);
+  // Rounded in log2 like the level, a patch below this becomes the smallest block.
+  if (wanted < float(2u * range.smallest) + kLevelHalf) return smallestTexels(range);
+  return uint(exp2(min(wanted, float(2u * range.largest))) + kLevelHalf);
 }
 
-// b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least 0: room to spare does not make blocks larger
-// than ideal. I - d = high * 2^32 + low texels of the patches above one texel, d = `ones` patches of one
-// texel, S = `target` texels.
-SHARED_FN float pressureBias(uint low, uint high, uint ones, float target) {
+// b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least `lowest`: 0 where room to spare shall not make
+// blocks larger than ideal, -2 for up to four times the texels. I - d = high * 2^32 + low texels of the patches
+// above the smallest block, d = `least` texels of the others, S = `target` texels.
+SHARED_FN float pressureBias(uint low, uint high, uint least, float target, float lowest) {
   float scalable = float(high) * float(65536) * float(65536) + float(low);
   if (scalable < kLevelOne) return kLevelZero;
-  float room = target - float(ones);
+  float room = target - float(least);
   if (!isFiniteNumber(room) || room < kLevelOne) return kLargestBias;
-  return clamp(log2(scalable / room), kLevelZero, kLargestBias);
+  return clamp(log2(scalable / room), lowest, kLargestBias);
 }
 
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::PatchMeasure) == 8);
+static_assert(sizeof(tessera::glsl::LevelRange) == 12);
 #endif
 #endif

@@ -1,11 +1,9 @@
 // The program as a user runs it: exit codes, one clear line for bad input, whole files or none.
+#include "tests/apps/cli.hpp"
+
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
-#include <sys/wait.h>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,47 +16,13 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ran {
-  int code = -1;
-  std::string out;
-  std::string error;
-};
-
-std::string slurp(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-class Cli : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(TESSERA_BINARY_DIR) / "cli" /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  Ran run(const std::string& arguments) const {
-    const std::string command =
-        fmt::format("cd '{}' && '{}' {} > out.txt 2> err.txt", folder_.string(), TESSERA_PROGRAM, arguments);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder_ / "out.txt"),
-            slurp(folder_ / "err.txt")};
-  }
-  void expectRefused(const std::string& arguments, const std::string& named) const {
-    const Ran ran = run(arguments);
-    EXPECT_EQ(ran.code, 2) << arguments << "\n" << ran.error;
-    EXPECT_NE(ran.error.find(named), std::string::npos) << arguments << "\n" << ran.error;
-  }
-  std::string atrium() const { return std::string(TESSERA_SOURCE_DIR) + "/assets/atrium.glb"; }
-  fs::path folder_;
-};
+using test::Cli;
+using test::Ran;
+using test::slurp;
 
 TEST_F(Cli, HelpIsThereForEach) {
   EXPECT_EQ(run("--help").code, 0);
-  for (const char* command : {"render", "info", "compare"}) {
+  for (const char* command : {"render", "info", "compare", "atlas-bench"}) {
     const Ran ran = run(std::string(command) + " --help");
     EXPECT_EQ(ran.code, 0);
     EXPECT_NE(ran.out.find("--context"), std::string::npos) << command;
@@ -125,6 +89,34 @@ TEST_F(Cli, FramesAlongAPathAreNumbered) {
   ASSERT_EQ(ran.code, 0) << ran.error;
   for (const char* name : {"f.0000.png", "f.0001.png", "f.0002.png"})
     EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+}
+
+TEST_F(Cli, FoveationAndLensAreOptionsOfRender) {
+  const std::string scene = fmt::format("'{}' --size 320x180 --context osmesa", atrium());
+  const auto samples = [&](const std::string& name, const std::string& options) {
+    const Ran ran = run(fmt::format("render {} -o {}.png --stats {}.json {}", scene, name, name, options));
+    EXPECT_EQ(ran.code, 0) << ran.error;
+    const auto stats = nlohmann::json::parse(slurp(folder_ / (name + ".json")));
+    return stats["frames"].back()["samples_allocated"].get<double>();
+  };
+  const double plain = samples("plain", "");
+  const double centre = samples("centre", "--foveate");
+  EXPECT_LT(centre, 0.9 * plain);
+  EXPECT_NE(samples("corner", "--foveate 0.05,0.95"), centre);
+  std::ofstream(folder_ / "gaze.json")
+      << R"([{"time": 0, "x": 0.05, "y": 0.95}, {"time": 1, "x": 0.5, "y": 0.5}])";
+  EXPECT_EQ(samples("gaze", "--gaze gaze.json"), samples("corner", "--foveate 0.05,0.95"));
+  EXPECT_LT(samples("lens", "--lens"), plain);
+  EXPECT_LT(samples("both", "--lens 0.5,0.5 --foveate"), centre);
+  EXPECT_NE(slurp(folder_ / "lens.png"), slurp(folder_ / "plain.png"));
+  const std::string out = fmt::format("render '{}' -o a.png ", atrium());
+  expectRefused(out + "--foveate 0.5", "--foveate 0.5");
+  expectRefused(out + "--foveate nan,0", "nan");
+  expectRefused(out + "--lens 1x2", "--lens 1");
+  expectRefused(out + "--lens=-1,0", "k1 -1");
+  expectRefused(out + "--gaze none.json", "none.json");
+  expectRefused(out + "--gaze gaze.json --foveate 0.1,0.1", "--gaze");
+  EXPECT_FALSE(fs::exists(folder_ / "a.png"));
 }
 
 TEST_F(Cli, InfoSaysWhatTheSceneCallsFor) {

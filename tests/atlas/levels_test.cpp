@@ -10,6 +10,7 @@
 #include <glm/gtc/constants.hpp>
 #include <gtest/gtest.h>
 
+#include "glsl/shared/pressure.h"
 #include "tests/atlas/measure_reference.hpp"
 
 namespace tessera {
@@ -23,6 +24,7 @@ using test::Long;
 using test::Reference;
 using test::referenceMeasure;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr glsl::LevelRange kAll{0, 8, 10};
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 PatchMeasure measure(const Corners& v, unsigned triangles, float pixels) {
@@ -67,7 +69,8 @@ TEST(Levels, NearestLevelByBruteForce) {
     bool clear = false;
     const glsl::uint expected = bestLevel(static_cast<Long>(m.logArea) - static_cast<Long>(bias),
                                           static_cast<Long>(m.logAspect), maximum, 1e-5L, clear);
-    const glsl::uint got = glsl::selectLevel(m, bias, 0.0f, static_cast<glsl::uint>(maximum), 0, -1.0f);
+    const glsl::uint got =
+        glsl::selectLevel(m, bias, 0.0f, {0, static_cast<glsl::uint>(maximum), 10}, 0, -1.0f);
     ASSERT_GE(glsl::levelWidth(got), glsl::levelHeight(got));
     if (!clear) continue;
     ++compared;
@@ -78,7 +81,7 @@ TEST(Levels, NearestLevelByBruteForce) {
 
 TEST(Levels, HandWorkedLevels) {
   const auto level = [](float a, float aspect) {
-    return glsl::selectLevel({a, aspect}, 0.0f, 0.0f, 8, 0, -1.0f);
+    return glsl::selectLevel({a, aspect}, 0.0f, 0.0f, kAll, 0, -1.0f);
   };
   EXPECT_EQ(level(0.0f, 0.0f), 0u);
   EXPECT_EQ(level(0.49f, 5.0f), 0u);
@@ -92,15 +95,15 @@ TEST(Levels, HandWorkedLevels) {
   EXPECT_EQ(level(40.0f, 0.0f), glsl::packLevel(8, 8, false));
   EXPECT_EQ(level(5.0f, 20.0f), glsl::packLevel(5, 0, false));
   // A patch of four largest blocks: the constant bias counts from its area, that of pressure from the block.
-  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 2.0f, 0.0f, 8, 0, -1.0f), glsl::packLevel(8, 8, false));
-  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 0.0f, 2.0f, 8, 0, -1.0f), glsl::packLevel(7, 7, false));
-  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 0.0f, glsl::kLargestBias, 8, 0, -1.0f), 0u);
+  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 2.0f, 0.0f, kAll, 0, -1.0f), glsl::packLevel(8, 8, false));
+  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 0.0f, 2.0f, kAll, 0, -1.0f), glsl::packLevel(7, 7, false));
+  EXPECT_EQ(glsl::selectLevel({18.0f, 0.0f}, 0.0f, glsl::kLargestBias, kAll, 0, -1.0f), 0u);
 }
 
 TEST(Levels, HysteresisIsHalfAStepAndMore) {
   const glsl::uint previous = glsl::packLevel(4, 2, false);  // area 6, aspect 2
   const auto next = [&](float a, float aspect, float h) {
-    return glsl::selectLevel({a, aspect}, 0.0f, 0.0f, 8, previous, h);
+    return glsl::selectLevel({a, aspect}, 0.0f, 0.0f, kAll, previous, h);
   };
   EXPECT_EQ(next(6.74f, 2.0f, 0.25f), previous);
   EXPECT_EQ(next(6.76f, 2.0f, 0.25f), glsl::packLevel(5, 2, false));
@@ -116,7 +119,7 @@ TEST(Levels, HysteresisIsHalfAStepAndMore) {
   for (int i = 0; i < 100000; ++i) {
     const PatchMeasure m = {std::uniform_real_distribution<float>(-3, 20)(random),
                             std::uniform_real_distribution<float>(-9, 9)(random)};
-    const glsl::uint level = glsl::selectLevel(m, 0.0f, 0.0f, 8, random() & 0x1ffu, 0.3f);
+    const glsl::uint level = glsl::selectLevel(m, 0.0f, 0.0f, kAll, random() & 0x1ffu, 0.3f);
     const int w = static_cast<int>(glsl::levelWidth(level));
     const int h = static_cast<int>(glsl::levelHeight(level));
     ASSERT_LE(w, 8);
@@ -264,7 +267,7 @@ TEST(Levels, DegenerateViewsGiveValidLevels) {
     EXPECT_TRUE(std::isfinite(m.logAspect));
     EXPECT_LE(std::abs(m.logArea), 100.0f);
     EXPECT_LE(std::abs(m.logAspect), 20.0f);
-    const glsl::uint level = glsl::selectLevel(m, 0.0f, 0.0f, 8, 0, -1.0f);
+    const glsl::uint level = glsl::selectLevel(m, 0.0f, 0.0f, kAll, 0, -1.0f);
     EXPECT_LE(glsl::levelWidth(level), 8u);
     EXPECT_LE(glsl::levelHeight(level), glsl::levelWidth(level));
     return level;
@@ -294,25 +297,25 @@ TEST(Levels, DegenerateViewsGiveValidLevels) {
       0u);
   EXPECT_EQ(levelOf({a, b, c, d, a}, 1e6f), glsl::packLevel(8, 8, false));
   for (const float m : {kNan, kInfinity, -kInfinity}) {
-    EXPECT_EQ(glsl::selectLevel({m, 0.0f}, 0.0f, 0.0f, 8, 0x22u, 0.5f), 0u);
-    EXPECT_EQ(glsl::selectLevel({4.0f, m}, 0.0f, 0.0f, 8, 0x22u, 0.5f), 0u);
-    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, m, 0.0f, 8, 0x22u, 0.5f), 0u);
-    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, 0.0f, m, 8, 0x22u, 0.5f), 0u);
-    EXPECT_EQ(glsl::idealTexels({m, 0.0f}, 0.0f, 8), 1u);
+    EXPECT_EQ(glsl::selectLevel({m, 0.0f}, 0.0f, 0.0f, kAll, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({4.0f, m}, 0.0f, 0.0f, kAll, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, m, 0.0f, kAll, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::selectLevel({4.0f, 0.0f}, 0.0f, m, kAll, 0x22u, 0.5f), 0u);
+    EXPECT_EQ(glsl::idealTexels({m, 0.0f}, 0.0f, kAll), 1u);
   }
 }
 
 TEST(Levels, BiasOfPressure) {
-  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, 1000.0f), 3.0f);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 100, 1100.0f), 3.0f);  // I = 8100, d = 100
-  EXPECT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f), 0.0f);           // room to spare
-  EXPECT_EQ(glsl::pressureBias(0, 0, 0, 1000.0f), 0.0f);
-  EXPECT_EQ(glsl::pressureBias(0, 0, 100, 50.0f), 0.0f);                      // I = d > S: nothing can shrink
-  EXPECT_EQ(glsl::pressureBias(8000, 0, 1000, 1000.0f), glsl::kLargestBias);  // S = d
-  EXPECT_EQ(glsl::pressureBias(8000, 0, 2000, 1000.0f), glsl::kLargestBias);  // S < d
-  EXPECT_EQ(glsl::pressureBias(8000, 0, 0, kNan), glsl::kLargestBias);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(0, 4, 0, 1024.0f), 24.0f);  // 2^34 texels
-  EXPECT_EQ(glsl::pressureBias(~0u, ~0u, 0, 1.0f), glsl::kLargestBias);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, 1000.0f, 0.0f), 3.0f);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 100, 1100.0f, 0.0f), 3.0f);  // I = 8100, d = 100
+  EXPECT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f, 0.0f), 0.0f);           // room to spare
+  EXPECT_EQ(glsl::pressureBias(0, 0, 0, 1000.0f, 0.0f), 0.0f);
+  EXPECT_EQ(glsl::pressureBias(0, 0, 100, 50.0f, 0.0f), 0.0f);  // I = d > S: nothing can shrink
+  EXPECT_EQ(glsl::pressureBias(8000, 0, 1000, 1000.0f, 0.0f), glsl::kLargestBias);  // S = d
+  EXPECT_EQ(glsl::pressureBias(8000, 0, 2000, 1000.0f, 0.0f), glsl::kLargestBias);  // S < d
+  EXPECT_EQ(glsl::pressureBias(8000, 0, 0, kNan, 0.0f), glsl::kLargestBias);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(0, 4, 0, 1024.0f, 0.0f), 24.0f);  // 2^34 texels
+  EXPECT_EQ(glsl::pressureBias(~0u, ~0u, 0, 1.0f, 0.0f), glsl::kLargestBias);
   // The bias brings ideal areas down to the target.
   std::mt19937 random(6);
   std::vector<PatchMeasure> patches(20000);
@@ -321,7 +324,7 @@ TEST(Levels, BiasOfPressure) {
     std::uint64_t total = 0;
     ones = 0;
     for (const PatchMeasure& m : patches) {
-      const glsl::uint texels = glsl::idealTexels(m, bias, 8);
+      const glsl::uint texels = glsl::idealTexels(m, bias, kAll);
       total += texels;
       ones += texels == 1 ? 1 : 0;
     }
@@ -330,19 +333,154 @@ TEST(Levels, BiasOfPressure) {
   std::uint64_t ones = 0;
   const std::uint64_t ideal = sum(0.0f, ones);
   const float target = 1e6f;
-  const float bias =
-      glsl::pressureBias(static_cast<glsl::uint>(ideal - ones), 0, static_cast<glsl::uint>(ones), target);
+  const float bias = glsl::pressureBias(static_cast<glsl::uint>(ideal - ones), 0,
+                                        static_cast<glsl::uint>(ones), target, 0.0f);
   EXPECT_GT(bias, 3.0f);
   EXPECT_NEAR(static_cast<double>(sum(bias, ones)), 1e6, 0.02e6);
 }
 
 TEST(Levels, IdealTexels) {
-  EXPECT_EQ(glsl::idealTexels({6.0f, 0.0f}, 0.0f, 8), 64u);
-  EXPECT_EQ(glsl::idealTexels({6.0f, 0.0f}, 1.0f, 8), 32u);
-  EXPECT_EQ(glsl::idealTexels({99.0f, 0.0f}, 0.0f, 8), 65536u);
-  EXPECT_EQ(glsl::idealTexels({99.0f, 0.0f}, 0.0f, 10), 1u << 20);
-  EXPECT_EQ(glsl::idealTexels({0.49f, 0.0f}, 0.0f, 8), 1u);
-  EXPECT_EQ(glsl::idealTexels({-50.0f, 0.0f}, 0.0f, 8), 1u);
+  EXPECT_EQ(glsl::idealTexels({6.0f, 0.0f}, 0.0f, kAll), 64u);
+  EXPECT_EQ(glsl::idealTexels({6.0f, 0.0f}, 1.0f, kAll), 32u);
+  EXPECT_EQ(glsl::idealTexels({99.0f, 0.0f}, 0.0f, kAll), 65536u);
+  EXPECT_EQ(glsl::idealTexels({99.0f, 0.0f}, 0.0f, {0, 10, 10}), 1u << 20);
+  EXPECT_EQ(glsl::idealTexels({0.49f, 0.0f}, 0.0f, kAll), 1u);
+  EXPECT_EQ(glsl::idealTexels({-50.0f, 0.0f}, 0.0f, kAll), 1u);
+}
+
+TEST(LevelRange, EveryLevelLiesInItAndNoNearerOneDoes) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> area(-4.0f, 24.0f);
+  std::uniform_real_distribution<float> aspect(-20.0f, 20.0f);
+  for (glsl::uint smallest = 0; smallest <= 8; ++smallest)
+    for (glsl::uint largest = smallest; largest <= 8; ++largest)
+      for (const glsl::uint widest : {1u, 2u, 3u, 10u})
+        for (int i = 0; i < 50; ++i) {
+          const glsl::LevelRange range{smallest, largest, widest};
+          const glsl::PatchMeasure measure{area(random), aspect(random)};
+          const glsl::uint level = glsl::selectLevel(measure, 0.0f, 0.0f, range, 0, -1.0f);
+          const auto w = static_cast<int>(glsl::levelWidth(level));
+          const auto h = static_cast<int>(glsl::levelHeight(level));
+          ASSERT_GE(h, static_cast<int>(smallest));
+          ASSERT_LE(w, static_cast<int>(largest));
+          ASSERT_LE(w - h, static_cast<int>(widest));
+          // The nearest of all levels of the range: first by area, then by aspect.
+          const auto distance = [&](int ww, int hh, int sign) {
+            const float clamped = std::clamp(measure.logArea, 2.0f * static_cast<float>(smallest),
+                                             2.0f * static_cast<float>(largest));
+            return std::pair(std::abs(clamped - static_cast<float>(ww + hh)),
+                             std::abs(measure.logAspect - static_cast<float>(sign * (ww - hh))));
+          };
+          const auto chosen = distance(w, h, glsl::levelTransposed(level) ? -1 : 1);
+          for (int ww = static_cast<int>(smallest); ww <= static_cast<int>(largest); ++ww)
+            for (int hh = std::max(static_cast<int>(smallest), ww - static_cast<int>(widest)); hh <= ww; ++hh)
+              for (const int sign : {-1, 1}) {
+                const auto other = distance(ww, hh, sign);
+                ASSERT_FALSE(other.first < chosen.first - 1e-4f ||
+                             (ww + hh == w + h && other.second < chosen.second - 1e-4f))
+                    << measure.logArea << ", " << measure.logAspect << ": " << w << " x " << h << ", not "
+                    << ww << " x " << hh;
+              }
+          // What is kept by hysteresis lies in the range, too.
+          const glsl::uint kept = glsl::selectLevel(measure, 0.0f, 0.0f, range, random() & 0x1ffu, 2.0f);
+          ASSERT_GE(glsl::levelHeight(kept), smallest);
+          ASSERT_LE(glsl::levelWidth(kept), largest);
+          ASSERT_LE(glsl::levelWidth(kept) - glsl::levelHeight(kept), widest);
+        }
+}
+
+TEST(Pressure, RoomToSpareLowersTheBiasToItsFloor) {
+  EXPECT_FLOAT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f, -2.0f), -1.0f);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(100, 0, 0, 1000.0f, -2.0f), -2.0f);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, 1000.0f, -2.0f), 3.0f);
+  EXPECT_EQ(glsl::pressureBias(0, 0, 100, 1000.0f, -2.0f), 0.0f);  // nothing that could grow
+}
+
+class PressureSteps : public ::testing::Test {
+ protected:
+  // highWater, softWater, targetStart, targetLargest, targetSmallest, targetCut, targetGrowth, quietFrames
+  glsl::PressureConfig config{900.0f, 800.0f, 600.0f, 700.0f, 100.0f, 0.5f, 1.5f, 3, 1, 1};
+  glsl::PressureState state = glsl::pressureAtStart(config);
+  void step(bool failed, float load, bool held = false, bool asked = false) {
+    state = glsl::stepPressure(state, config, failed, load, 0.0f, true, held, asked);
+  }
+  void live(float texels, bool limits = true) {
+    state = glsl::stepPressure(state, config, false, 0.0f, texels, limits, false, false);
+  }
+};
+
+TEST_F(PressureSteps, ExhaustionAndTheMarkResetAndCut) {
+  step(false, 900.0f);
+  EXPECT_EQ(state.reset, 0u) << "at the mark is not past it";
+  EXPECT_EQ(state.target, 600.0f);
+  step(false, 901.0f);
+  EXPECT_EQ(state.reset, 1u);
+  EXPECT_EQ(state.target, 300.0f);
+  step(true, 0.0f);
+  EXPECT_EQ(state.reset, 0u) << "the second reset in a row waits for two frames";
+  EXPECT_EQ(state.target, 150.0f) << "memory packed afresh was too small";
+  step(true, 0.0f);
+  EXPECT_EQ(state.reset, 1u);
+  EXPECT_EQ(state.target, 150.0f);
+  for (int i = 0; i < 3; ++i) {
+    step(false, 0.0f);
+    EXPECT_EQ(state.target, 150.0f);
+  }
+  step(false, 0.0f);
+  EXPECT_EQ(state.target, 225.0f);
+  for (int i = 0; i < 5; ++i) step(false, 0.0f);
+  EXPECT_EQ(state.target, 700.0f);
+}
+
+TEST_F(PressureSteps, AHeldResetComesWhenItMay) {
+  for (int i = 0; i < 5; ++i) {
+    step(false, 950.0f, true);
+    EXPECT_EQ(state.reset, 0u);
+    EXPECT_EQ(state.pending, 1u);
+  }
+  EXPECT_EQ(state.target, 300.0f) << "one cut for one episode";
+  step(false, 950.0f);
+  EXPECT_EQ(state.reset, 1u);
+  EXPECT_EQ(state.pending, 0u);
+  step(false, 0.0f, true, true);
+  EXPECT_EQ(state.reset, 0u);
+  EXPECT_EQ(state.pending, 1u);
+  step(false, 0.0f, false, true);
+  EXPECT_EQ(state.reset, 1u);
+}
+
+TEST_F(PressureSteps, ExhaustionWithoutResetsCutsAgainAndAgain) {
+  config.resets = 0;
+  for (int i = 0; i < 100; ++i) {
+    step(true, 950.0f);
+    ASSERT_EQ(state.reset, 0u);
+    ASSERT_EQ(state.pending, 0u);
+  }
+  EXPECT_EQ(state.target, 100.0f) << "the smallest";
+  step(false, 0.0f, false, true);
+  EXPECT_EQ(state.reset, 1u) << "the caller may always";
+}
+
+TEST_F(PressureSteps, AConstantTargetStays) {
+  config.adapts = 0;
+  step(true, 950.0f);
+  EXPECT_EQ(state.reset, 1u);
+  for (int i = 0; i < 20; ++i) live(i % 2 == 0 ? 0.0f : 900.0f);
+  EXPECT_EQ(state.target, 600.0f);
+}
+
+TEST_F(PressureSteps, SFindsTheSizeThatMemoryHolds) {
+  live(801.0f);
+  EXPECT_EQ(state.target, 400.0f);
+  EXPECT_EQ(state.reset, 0u);
+  for (int i = 0; i < 10; ++i) live(790.0f);
+  EXPECT_EQ(state.target, 400.0f) << "at rest just below the soft mark";
+  for (int i = 0; i < 10; ++i) live(100.0f, false);
+  EXPECT_EQ(state.target, 400.0f) << "what does not limit does not grow";
+  live(100.0f);
+  EXPECT_EQ(state.target, 600.0f);
+  for (int i = 0; i < 30; ++i) live(900.0f);
+  EXPECT_EQ(state.target, 100.0f) << "the smallest";
 }
 
 }  // namespace

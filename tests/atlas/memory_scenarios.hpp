@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <ostream>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -50,8 +52,34 @@ inline std::vector<Scenario> scenarios() {
   };
 }
 
-inline std::string scenarioName(const ::testing::TestParamInfo<Scenario>& test) {
-  std::string name = test.param.name;
+/// Frames to run: `soak` when TESSERA_SOAK is set (./run.sh soak), else `normal`; fewer of a scenario of many
+/// patches.
+inline int framesOf(const Scenario& scenario, int normal, int soak) {
+  const bool forLong = std::getenv("TESSERA_SOAK") != nullptr;
+  return (forLong ? soak : normal) / (scenario.patches > 5000 ? 10 : 1);
+}
+
+/// A strategy under test: see AtlasStrategy and RectMemoryOptions::merge.
+struct Mode {
+  std::string name;
+  bool columns = true;
+  bool stacks = true;
+  bool merge = false;
+};
+
+inline void PrintTo(const Mode& mode, std::ostream* out) { *out << mode.name; }
+
+inline std::vector<Mode> modes() {
+  return {{.name = "S0"},
+          {.name = "S0 merging", .merge = true},
+          {.name = "S1", .columns = false},
+          {.name = "S2", .columns = false, .stacks = false}};
+}
+
+using FrameCase = std::tuple<Scenario, Mode>;
+
+inline std::string caseName(const ::testing::TestParamInfo<FrameCase>& test) {
+  std::string name = std::get<Scenario>(test.param).name + " " + std::get<Mode>(test.param).name;
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }

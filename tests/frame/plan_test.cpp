@@ -141,6 +141,18 @@ TEST(Plan, DisplayModesAndPrepassAreByRequest) {
   EXPECT_TRUE(planFrame(features, {}).passes().empty());
 }
 
+TEST(Plan, TheLensIsByRequestAndSeesWhatIsDrawn) {
+  const SceneFeatures features = findFeatures(oneQuad({}), nullptr);
+  EXPECT_EQ(passNames(planFrame(features, {.forward = true, .lens = true})), (Names{"forward", "distort"}));
+  const FrameGraph both = planFrame(features, {.rect = true, .forward = true, .lens = true});
+  ASSERT_NE(both.find("distort"), nullptr);
+  Names reads;
+  for (const Use& use : both.find("distort")->reads) reads.push_back(use.resource);
+  EXPECT_EQ(reads, (Names{"rect-color", "forward-color"}));
+  EXPECT_EQ(planFrame(features, kRect).find("distort"), nullptr);
+  EXPECT_TRUE(planFrame(features, {.lens = true}).passes().empty()) << "nothing is drawn to be seen";
+}
+
 TEST(Graph, KeepsOnlyWhatOutputsNeed) {
   FrameGraph graph;
   graph.add({"a", "s", {}, {{"x", Access::Storage}}});

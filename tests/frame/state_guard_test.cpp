@@ -114,6 +114,7 @@ std::vector<Image> useEngine(gl::Context& context, AtlasFormat format,
   options.shadowSize = 128;
   options.request.depthPrepass = true;
   options.request.displayDeferred = true;
+  options.request.lens = true;
   options.timePasses = true;
   options.countFragments = true;
   auto made = Engine::create(context, fullScene(), fullStage(), options);
@@ -148,6 +149,14 @@ std::vector<Image> useEngine(gl::Context& context, AtlasFormat format,
   keep("display");
   engine.rect(view, DisplayMode::Deferred);
   keep("rect, deferred");
+  EXPECT_TRUE(engine.distort({}));
+  keep("distort");
+  EXPECT_TRUE(engine.place(views, {Foveation{}, Lens{}}));
+  after("place with options");
+  engine.shade(view);
+  engine.display(view);
+  keep("display, foveated");
+  engine.rect(view, DisplayMode::Deferred);
   for (const DebugView what : {DebugView::Ids, DebugView::Patches, DebugView::Levels, DebugView::TexelDensity,
                                DebugView::Blocks, DebugView::Atlas}) {
     EXPECT_TRUE(engine.debugView(what, view));

@@ -2,6 +2,7 @@
 #include <cstddef>
 
 #include "engine/gl/program.hpp"
+#include "glsl/shared/acuity.h"
 #include "glsl/shared/blocks.h"
 #include "glsl/shared/material.h"
 #include "glsl/shared/scene.h"
@@ -83,6 +84,11 @@ TEST_F(Layout, UniformBlocks) {
   expectOffset(shade, uniform, "shadows[0].texel", offsetof(glsl::ShadowGpu, texel));
   expectOffset(shade, uniform, "shadows[1].viewProjection", sizeof(glsl::ShadowGpu));
   expectOffset(shade, uniform, "view.eye", offsetof(glsl::ViewGpu, eye));
+  const GLuint measure = use({"pass/rect_measure.comp"}, {{"FOVEATE", "1"}, {"LENS", "1"}});
+  expectOffset(measure, uniform, "densities[0].axis", offsetof(glsl::DensityGpu, axis));
+  expectOffset(measure, uniform, "densities[0].acuity", offsetof(glsl::DensityGpu, acuity));
+  expectOffset(measure, uniform, "densities[0].lens", offsetof(glsl::DensityGpu, lens));
+  expectOffset(measure, uniform, "densities[1].gaze", sizeof(glsl::DensityGpu));
 }
 
 }  // namespace

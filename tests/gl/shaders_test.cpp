@@ -55,6 +55,8 @@ std::vector<std::string> permutationsOf(const std::string& path) {
     all = depth;
   } else if (path == "pass/debug_screen.comp") {
     all = {"MODE=0", "MODE=1", "MODE=2", "MODE=3"};
+  } else if (path == "pass/rect_measure.comp") {
+    all = {"", "FOVEATE", "LENS", "FOVEATE LENS"};
   } else if (path == "pass/display_deferred.comp") {
     all = {"", "LINEAR_ATLAS"};
   } else {

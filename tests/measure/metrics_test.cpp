@@ -5,10 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+
+#include "engine/measure/acuity.hpp"
 
 namespace tessera {
 namespace {
@@ -92,8 +95,10 @@ TEST(Psnr, EqualIsInfiniteAndAlphaIsNotSeen) {
 
 // ---- MSSIM ----
 
-/// The definition, window by window, with a 2D kernel and central moments.
-double mssimByDefinition(const Image& a, const Image& b) {
+/// The definition, window by window, with a 2D kernel and central moments; a window counts by `share` of the
+/// pixel at its middle.
+template <class Share>
+double mssimByDefinition(const Image& a, const Image& b, Share&& share) {
   const auto luma = [](const std::uint8_t* p) {
     return (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) / 255;
   };
@@ -103,9 +108,9 @@ double mssimByDefinition(const Image& a, const Image& b) {
     for (int i = 0; i < 11; ++i)
       total += weights[j][i] = std::exp(-((i - 5) * (i - 5) + (j - 5) * (j - 5)) / 8.0);
   double sum = 0;
-  int windows = 0;
+  double windows = 0;
   for (int y = 0; y + 11 <= a.height; ++y)
-    for (int x = 0; x + 11 <= a.width; ++x, ++windows) {
+    for (int x = 0; x + 11 <= a.width; ++x) {
       double ma = 0;
       double mb = 0;
       for (int j = 0; j < 11; ++j)
@@ -124,9 +129,15 @@ double mssimByDefinition(const Image& a, const Image& b) {
           vb += weights[j][i] / total * db * db;
           cov += weights[j][i] / total * da * db;
         }
-      sum += (2 * ma * mb + 1e-4) / (ma * ma + mb * mb + 1e-4) * (2 * cov + 9e-4) / (va + vb + 9e-4);
+      const double counts = share(x + 5, y + 5);
+      sum += counts * (2 * ma * mb + 1e-4) / (ma * ma + mb * mb + 1e-4) * (2 * cov + 9e-4) / (va + vb + 9e-4);
+      windows += counts;
     }
   return sum / windows;
+}
+
+double mssimByDefinition(const Image& a, const Image& b) {
+  return mssimByDefinition(a, b, [](int, int) { return 1.0; });
 }
 
 TEST(Mssim, EqualsTheDefinition) {
@@ -169,6 +180,114 @@ TEST(Mssim, SmallImagesUseTheLargestWindowThatFits) {
     ASSERT_TRUE(other);
     EXPECT_LT(other->mean, 1.0);
   }
+}
+
+// ---- acuity-weighted MSSIM ----
+
+constexpr double kFovY = 1.0471975512;  // 60 degrees
+
+/// 1 / s^2 of a pixel, worked in degrees from the law of cosines.
+double weightByHand(int width, int height, int x, int y, double gazeX, double gazeY) {
+  const double pixel = 2 * std::tan(kFovY / 2) / height;
+  const double ax = (gazeX - 0.5) * width * pixel;
+  const double ay = (gazeY - 0.5) * height * pixel;
+  const double bx = (x + 0.5 - 0.5 * width) * pixel;
+  const double by = (y + 0.5 - 0.5 * height) * pixel;
+  const double a2 = 1 + ax * ax + ay * ay;
+  const double b2 = 1 + bx * bx + by * by;
+  const double c2 = (ax - bx) * (ax - bx) + (ay - by) * (ay - by);
+  const double degrees =
+      std::acos(std::min(1.0, (a2 + b2 - c2) / (2 * std::sqrt(a2 * b2)))) * 57.29577951308232;
+  const double s = (0.022 * degrees + 1.0 / 48) / (2 * 60.0 / height);
+  return s > 1 ? 1 / (s * s) : 1.0;
+}
+
+TEST(AcuityWeights, AreTheAcuityCurve) {
+  const int width = 96;
+  const int height = 540;  // pixels small enough for the eye to tell them apart only near the gaze
+  const auto weights = acuityWeights(width, height, kFovY, {{0.25, 0.75}});
+  ASSERT_TRUE(weights);
+  double least = 1.0;
+  std::size_t full = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const float weight = (*weights)[static_cast<std::size_t>(y * width + x)];
+      ASSERT_NEAR(weight, weightByHand(width, height, x, y, 0.25, 0.75), 1e-5) << x << ", " << y;
+      least = std::min(least, static_cast<double>(weight));
+      full += weight == 1.0F ? 1 : 0;
+    }
+  EXPECT_LT(least, 0.1);
+  EXPECT_GT(full, 1000U);
+}
+
+TEST(AcuityWeights, BadNumbersAreNamed) {
+  EXPECT_NE(acuityWeights(0, 5, 1.0).error().message.find("0 x 5"), std::string::npos);
+  EXPECT_NE(acuityWeights(5, 5, 4.0).error().message.find("4 radians"), std::string::npos);
+  EXPECT_NE(acuityWeights(5, 5, 1.0, {{0.5, 0.5}, -1.0}).error().message.find("-1"), std::string::npos);
+  EXPECT_NE(acuityWeights(5, 5, 1.0, {{0.5, std::nan("")}}).error().message.find("nan"), std::string::npos);
+  EXPECT_FALSE(acuityWeights(5, 5, std::nan("")));
+}
+
+TEST(WeightedMssim, EqualWeightsGiveThePlainMean) {
+  const Image a = waves(53, 90, 0.0);
+  const Image b = noise(53, 90, 3);
+  for (const float weight : {1.0F, 0.25F}) {
+    const auto weighted = mssim(a, b, std::vector<float>(53 * 90, weight));
+    ASSERT_TRUE(weighted);
+    EXPECT_NEAR(weighted->mean, mssim(a, b)->mean, 1e-7);  // summed from the map's floats
+    EXPECT_EQ(weighted->map, mssim(a, b)->map);
+  }
+}
+
+TEST(WeightedMssim, EqualsTheDefinition) {
+  const int width = 120;
+  const int height = 90;
+  // A wide display: the weights fall to less than a tenth over it.
+  const Foveation eye{{0.3, 0.6}, 0.1, 0.3};
+  const auto weights = acuityWeights(width, height, kFovY, eye);
+  ASSERT_TRUE(weights);
+  EXPECT_LT(*std::min_element(weights->begin(), weights->end()), 0.1F);
+  const Image a = waves(width, height, 0.0);
+  const Image b = waves(width, height, 0.6);
+  const auto result = mssim(a, b, *weights);
+  ASSERT_TRUE(result);
+  const double expected = mssimByDefinition(a, b, [&](int x, int y) {
+    return static_cast<double>((*weights)[static_cast<std::size_t>(y * width + x)]);
+  });
+  EXPECT_NEAR(result->mean, expected, 1e-6);
+  EXPECT_GT(std::abs(result->mean - mssim(a, b)->mean), 1e-3) << "the weights made no difference";
+}
+
+TEST(WeightedMssim, AnErrorAtTheGazeCountsMore) {
+  const int width = 200;
+  const int height = 120;
+  const auto weights = acuityWeights(width, height, kFovY, {{0.25, 0.5}, 0.1, 0.3});
+  ASSERT_TRUE(weights);
+  const Image clean = waves(width, height, 0.0);
+  const auto spoiled = [&](int left) {
+    Image image = clean;
+    const Image dirt = noise(width, height, 3);
+    for (int y = 50; y < 70; ++y)
+      for (int x = left; x < left + 20; ++x) std::copy_n(dirt.at(x, y), 3, image.at(x, y));
+    return image;
+  };
+  const double atGaze = 1.0 - mssim(clean, spoiled(40), *weights)->mean;
+  const double aside = 1.0 - mssim(clean, spoiled(160), *weights)->mean;
+  EXPECT_GT(atGaze, 5.0 * aside);
+  EXPECT_GT(aside, 0.0);
+}
+
+TEST(WeightedMssim, WeightsThatDoNotFitAreRefused) {
+  const Image image = noise(20, 20, 1);
+  EXPECT_NE(mssim(image, image, std::vector<float>(399, 1.0F)).error().message.find("399"),
+            std::string::npos);
+  EXPECT_FALSE(mssim(image, image, std::vector<float>(400, 0.0F)));
+  std::vector<float> odd(400, 1.0F);
+  for (const float bad : {-1.0F, std::nanf(""), std::numeric_limits<float>::infinity()}) {
+    odd[7] = bad;
+    EXPECT_FALSE(mssim(image, image, odd)) << bad;
+  }
+  EXPECT_EQ(mssim(noise(3, 2, 1), noise(3, 2, 1), std::vector<float>(6, 0.5F))->mean, 1.0);
 }
 
 TEST(Mssim, DssimIsHalfTheDistanceToOne) {

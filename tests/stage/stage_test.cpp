@@ -218,6 +218,37 @@ TEST(PathFile, ReadsABarePathAndNothingElse) {
       << empty.error().message;
 }
 
+TEST(GazeFile, IsReadAndSampledBetweenItsKeys) {
+  const auto keys = loadGaze(write(
+      R"([{"time": 1, "x": 0.5, "y": 0.25}, {"time": 3, "x": 0.75, "y": 1.5}, {"time": 3.5, "x": 0, "y": -1}])"));
+  ASSERT_TRUE(keys) << keys.error().message;
+  ASSERT_EQ(keys->size(), 3u);
+  EXPECT_EQ(sampleGaze(*keys, 0.0), glm::dvec2(0.5, 0.25));
+  EXPECT_EQ(sampleGaze(*keys, 1.5), glm::dvec2(0.5625, 0.5625));
+  EXPECT_EQ(sampleGaze(*keys, 3.0), glm::dvec2(0.75, 1.5));
+  EXPECT_EQ(sampleGaze(*keys, 3.25), glm::dvec2(0.375, 0.25));
+  EXPECT_EQ(sampleGaze(*keys, 99.0), glm::dvec2(0.0, -1.0));
+}
+
+TEST(GazeFile, BadOnesAreRefusedByTheKey) {
+  const auto message = [](const std::string& text) {
+    const auto keys = loadGaze(write(text));
+    return keys ? std::string() : keys.error().message;
+  };
+  const auto names = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_TRUE(names(message("[]"), "empty"));
+  EXPECT_TRUE(names(message("{}"), "not a list"));
+  EXPECT_TRUE(names(message("[1"), "not valid JSON"));
+  EXPECT_TRUE(names(message(R"([{"time": 0, "x": 0.5}])"), "\"y\" is missing"));
+  EXPECT_TRUE(names(message(R"([{"time": 0, "x": "left", "y": 0}])"), "[0].x"));
+  EXPECT_TRUE(names(message(R"([{"time": 0, "x": 1e9, "y": 0}])"), "[0].x"));
+  EXPECT_TRUE(names(message(R"([{"time": 0, "x": 0, "y": 0, "z": 0}])"), "unknown key"));
+  EXPECT_TRUE(names(message(R"([{"time": 2, "x": 0, "y": 0}, {"time": 2, "x": 0, "y": 0}])"), "[1].time"));
+  EXPECT_FALSE(loadGaze("nowhere.json"));
+}
+
 CameraPath pathOf(std::vector<std::pair<double, double>> timesAndX) {
   CameraPath path;
   for (const auto& [t, x] : timesAndX) path.keys.push_back({t, {x, 0, 0}, {x + 1, 0, 0}, 50.0 + x});

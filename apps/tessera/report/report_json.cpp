@@ -1,19 +1,16 @@
+#include "apps/tessera/report/report_json.hpp"
+
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
-#include "apps/tessera/report/report.hpp"
 #include "engine/measure/metrics.hpp"
 
 namespace tessera {
-namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no NaN or infinity.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
-Json timing(const Statistics& s) {
+Json timingJson(const Statistics& s) {
   return {{"median", number(s.median)},
           {"p95", number(s.p95)},
           {"min", number(s.min)},
@@ -21,9 +18,17 @@ Json timing(const Statistics& s) {
           {"count", s.count}};
 }
 
+Json contextJson(const ReportContext& c) {
+  return {{"backend", c.backend}, {"renderer", c.renderer}, {"gl", c.gl},          {"glsl", c.glsl},
+          {"timer", c.timer},     {"commit", c.commit},     {"command", c.command}};
+}
+
+namespace {
+
 Json methodJson(const ReportMethod& m) {
   Json passes = Json::array();
-  for (const ReportPass& pass : m.passes) passes.push_back({{"name", pass.name}, {"ms", timing(pass.ms)}});
+  for (const ReportPass& pass : m.passes)
+    passes.push_back({{"name", pass.name}, {"ms", timingJson(pass.ms)}});
   return {{"name", m.name},
           {"mssim", number(m.mssim)},
           {"dssim", number(dssim(m.mssim))},
@@ -40,9 +45,9 @@ Json methodJson(const ReportMethod& m) {
           {"holes", number(m.holes)},
           {"non_finite_texels", number(m.nonFiniteTexels)},
           {"passes", std::move(passes)},
-          {"frame_ms", timing(m.frameMs)},
-          {"gather_ms", timing(m.gatherMs)},
-          {"display_ms", timing(m.displayMs)},
+          {"frame_ms", timingJson(m.frameMs)},
+          {"gather_ms", timingJson(m.gatherMs)},
+          {"display_ms", timingJson(m.displayMs)},
           {"samples_passed", number(m.samplesPassed)},
           {"samples_partly_in_view", number(m.samplesPartlyInView)},
           {"ns_per_passed", number(m.nsPerPassed)},
@@ -66,19 +71,9 @@ Json sceneJson(const ReportScene& scene) {
 }  // namespace
 
 std::string toJson(const Report& report) {
-  const ReportContext& c = report.context;
   Json scenes = Json::array();
   for (const ReportScene& scene : report.scenes) scenes.push_back(sceneJson(scene));
-  const Json root = {{"schema", 1},
-                     {"context",
-                      {{"backend", c.backend},
-                       {"renderer", c.renderer},
-                       {"gl", c.gl},
-                       {"glsl", c.glsl},
-                       {"timer", c.timer},
-                       {"commit", c.commit},
-                       {"command", c.command}}},
-                     {"scenes", std::move(scenes)}};
+  const Json root = {{"schema", 1}, {"context", contextJson(report.context)}, {"scenes", std::move(scenes)}};
   return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

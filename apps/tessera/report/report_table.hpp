@@ -14,6 +14,14 @@ std::string escapeHtml(std::string_view text);
 std::string methodTable(const ReportScene& scene);
 /// One row per scene and method with the few numbers that matter most.
 std::string summaryTable(const Report& report);
+/// What stands for a number that is not there.
+inline constexpr const char* kDash = "–";
+/// kDash for NaN.
+std::string formatFixed(double value, int decimals);
+/// Three significant digits or so, as milliseconds and nanoseconds want it.
+std::string formatDuration(double value);
+/// Median and 95th percentile.
+std::string timingCell(const Statistics& ms);
 /// 1234567.4 as "1,234,567".
 std::string formatCount(double value);
 

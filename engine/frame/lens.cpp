@@ -1,0 +1,71 @@
+// The display through a lens: what may be a lens, and the pass that draws through it.
+#include <algorithm>
+#include <cmath>
+
+#include "engine/frame/engine_state.hpp"
+#include "glsl/shared/bindings.h"
+
+namespace tessera {
+
+namespace {
+
+constexpr double kLargestK = 10.0;
+constexpr double kLeastSlope =
+    0.01;  // picture per output radius; flatter, and float32 cannot invert it to 1e-5
+
+/// The least slope of d (1 + k1 d^2 + k2 d^4) over d in 0..1: at an end, or where its own slope in d^2 is 0.
+double leastSlope(const Lens& lens) {
+  const auto slope = [&](double square) { return 1.0 + square * (3.0 * lens.k1 + 5.0 * lens.k2 * square); };
+  double least = std::min(1.0, slope(1.0));
+  if (lens.k2 > 0.0) least = std::min(least, slope(std::clamp(-0.3 * lens.k1 / lens.k2, 0.0, 1.0)));
+  return least;
+}
+
+double largestChannel(const Lens& lens) {
+  return std::max({lens.channelScale.x, lens.channelScale.y, lens.channelScale.z});
+}
+
+}  // namespace
+
+Result<void> check(const Lens& lens) {
+  for (const auto& [name, value] : {std::pair{"k1", lens.k1}, std::pair{"k2", lens.k2}})
+    if (!(std::abs(value) <= kLargestK))
+      return fail("lens: {} {} is outside [-{}, {}]", name, value, kLargestK, kLargestK);
+  for (int i = 0; i < 3; ++i)
+    if (!(lens.channelScale[i] >= 0.5 && lens.channelScale[i] <= 2.0))
+      return fail("lens: scale {} of channel {} is outside [0.5, 2]", lens.channelScale[i], i);
+  if (leastSlope(lens) < kLeastSlope)
+    return fail("lens: k1 {}, k2 {} fold the picture: d (1 + k1 d^2 + k2 d^4) does not rise over 0..1",
+                lens.k1, lens.k2);
+  return {};
+}
+
+double lensFill(const Lens& lens) { return (1.0 + lens.k1 + lens.k2) * largestChannel(lens); }
+
+Result<void> Engine::distort(const Lens& lens) {
+  State& s = *s_;
+  if (auto good = check(lens); !good) return good;
+  if (s.distort == nullptr) return fail("{}: the plan has no pass that draws through a lens", s.scene.file);
+  if (!s.picture.color) return fail("{}: no picture was drawn yet to see through a lens", s.scene.file);
+  const auto guard = s.guard();
+  const int width = s.picture.color.width();
+  const int height = s.picture.color.height();
+  s.distorted.resize(width, height, false);
+  s.pass("distort", [&] {
+    s.distort->use();
+    s.picture.color.bind(UNIT_PICTURE);
+    gl::api().BindImageTexture(0, s.distorted.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
+    const glm::vec3 numbers(lens.k1, lens.k2, lensFill(lens));
+    const glm::vec3 channels(lens.channelScale);
+    gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_LENS, 1, &numbers.x);
+    gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_CHANNELS, 1, &channels.x);
+    gl::api().DispatchCompute(static_cast<GLuint>((width + 7) / 8), static_cast<GLuint>((height + 7) / 8), 1);
+  });
+  // Whoever reads color() does not know that a shader stored it.
+  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+  s.throughLens = true;
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,29 @@
+// What the eye can resolve of a picture: less, the farther from where it looks.
+#pragma once
+
+#include <vector>
+
+#include <glm/vec2.hpp>
+
+#include "engine/core/result.hpp"
+
+namespace tessera {
+
+/// Where the eye looks and how its resolution falls off: the smallest angle it resolves is
+/// slope * eccentricity + smallest, in degrees (Mueller 2021, eq. 4.1; numbers of Guenter et al. 2012).
+struct Foveation {
+  glm::dvec2 gaze{0.5, 0.5};     // share of the picture from its top left, finite; may lie outside [0, 1]
+  double slope = 0.022;          // degrees a degree, [0, 10]
+  double smallest = 1.0 / 48.0;  // degrees at the gaze, (0, 90]
+};
+
+/// Fails with the number that is outside its range.
+Result<void> check(const Foveation& foveation);
+
+/// Weight of each pixel of a picture, rows from the top, in (0, 1]: the share of the display's cycles that
+/// the eye can resolve there, 1 / s^2 of eq. 4.2 over both directions, 1 where it sees all of them. Summed
+/// over a picture this counts what can be told apart, so every resolvable detail has one vote. `fovY` in
+/// radians, (0, pi). Fails where check() does, and for a size below 1 or a field of view outside its range.
+Result<std::vector<float>> acuityWeights(int width, int height, double fovY, const Foveation& foveation = {});
+
+}  // namespace tessera

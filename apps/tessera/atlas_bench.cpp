@@ -181,10 +181,11 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
       info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
       options.command};
   report.settings = fmt::format(
-      "Superblocks of {} texels a side; high-water mark {:.0f} %; target up to {:.0f} % of the atlas; lowest "
+      "Superblocks of {} texels a side; high-water mark {:.0f} %; target from {:.0f} to {:.0f} % of the "
+      "atlas; lowest "
       "bias {}; hysteresis {}.",
-      1 << memory.superblockLog2, 100.0f * memory.highWater, 100.0f * memory.targetShare, memory.biasFloor,
-      memory.hysteresis);
+      1 << memory.superblockLog2, 100.0f * memory.highWater, 100.0f * memory.targetShare,
+      100.0f * memory.targetLargest, memory.biasFloor, memory.hysteresis);
   const auto bench = [&](const RequestStream& stream) -> Result<void> {
     auto scene = benchScene(**context, programs, stream, *strategies, memory, options.sweep);
     if (!scene) return fail("{}: {}", stream.header().scene, scene.error().message);

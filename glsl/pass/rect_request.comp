@@ -29,6 +29,13 @@ void request(uint patchId, PatchMeasure measure) {
     if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
     return;
   }
+  // It got less than it wanted, and still wants more: another try each frame would only move it about. The reset that
+  // follows from it makes room.
+  if (known && (current & kLevelReduced) != 0u && levelWidth(level) >= levelWidth(current) &&
+      levelHeight(level) >= levelHeight(current)) {
+    atomicAdd(atlas.events.reduced, 1u);
+    return;
+  }
   // It had a block in the last frame, which a reset may have taken: blocks of what goes out of sight are given back
   // at once, and a block of the last epoch can only have been held up to this frame's reset.
   bool held = levelWidth(current) > 0u && (known || (epoch + 1u == atlas.epoch && atlas.pressure.reset != 0u));

@@ -535,7 +535,19 @@ TEST_F(Memory, WantOfMemoryGivesASmallerBlock) {
   EXPECT_EQ(now.failures, 0u);
   EXPECT_EQ(now.blocksReduced, 1u);
   EXPECT_TRUE(checkPartition(feed.memory.readSnapshot()));
-  // A reset follows, and the texels fit.
+  // While the reset that follows is held back, it stays where it is.
+  const auto before = feed.states();
+  feed.memory.holdReset(true);
+  for (int i = 0; i < 3; ++i) {
+    feed.frame(wants);
+    now = feed.memory.readStatistics();
+    EXPECT_EQ(now.blocksReduced, 1u);
+    EXPECT_EQ(now.blocksMade, 0u);
+    EXPECT_TRUE(now.resetPending);
+    for (const MemoryTwin::Want& want : wants)
+      EXPECT_EQ(feed.states()[want.patch].origin, before[want.patch].origin);
+  }
+  feed.memory.holdReset(false);
   feed.frame(wants);
   now = feed.memory.readStatistics();
   EXPECT_EQ(now.resets, 1u);

@@ -49,7 +49,7 @@ bool openFrame() {
   }
   // A height a frame: siblings merge into a block of the next height, which has its turn in the next frame.
   uint height = atlas.mergeHeight >= config.superblockLog2 ? 0u : atlas.mergeHeight + 1u;
-  bool merging = config.merges != 0u && !reset && atlas.cutTexels > config.mergeLoad;
+  bool merging = config.merges != 0u && atlas.cutTexels > config.mergeLoad;
   atlas.mergeHeight = height;
   atlas.mergeGroupsX = merging ? config.superblockLog2 + 1u - max(height, 1u) : 0u;
   atlas.mergeGroupsY = 1u;

@@ -1,12 +1,11 @@
 // The program as a user runs it: exit codes, one clear line for bad input, whole files or none.
+#include "tests/apps/cli.hpp"
+
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
-#include <sys/wait.h>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,47 +18,13 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ran {
-  int code = -1;
-  std::string out;
-  std::string error;
-};
-
-std::string slurp(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-class Cli : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(TESSERA_BINARY_DIR) / "cli" /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  Ran run(const std::string& arguments) const {
-    const std::string command =
-        fmt::format("cd '{}' && '{}' {} > out.txt 2> err.txt", folder_.string(), TESSERA_PROGRAM, arguments);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder_ / "out.txt"),
-            slurp(folder_ / "err.txt")};
-  }
-  void expectRefused(const std::string& arguments, const std::string& named) const {
-    const Ran ran = run(arguments);
-    EXPECT_EQ(ran.code, 2) << arguments << "\n" << ran.error;
-    EXPECT_NE(ran.error.find(named), std::string::npos) << arguments << "\n" << ran.error;
-  }
-  std::string atrium() const { return std::string(TESSERA_SOURCE_DIR) + "/assets/atrium.glb"; }
-  fs::path folder_;
-};
+using test::Cli;
+using test::Ran;
+using test::slurp;
 
 TEST_F(Cli, HelpIsThereForEach) {
   EXPECT_EQ(run("--help").code, 0);
-  for (const char* command : {"render", "info", "compare"}) {
+  for (const char* command : {"render", "info", "compare", "atlas-bench"}) {
     const Ran ran = run(std::string(command) + " --help");
     EXPECT_EQ(ran.code, 0);
     EXPECT_NE(ran.out.find("--context"), std::string::npos) << command;

@@ -475,6 +475,27 @@ TEST_F(Memory, MergingGivesSuperblocksBackAndCutsThemForOthers) {
   EXPECT_EQ(whole.memory.readStatistics().failures, 1000u) << "without cutting none of them fits";
 }
 
+TEST_F(Memory, ASmallerBlockKeepsTheShape) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
+  Wants wants = wantAll(63, 3, 3);
+  for (std::uint32_t i = 100; i < 102; ++i) wants.push_back({i, 2, 1});
+  for (std::uint32_t i = 102; i < 104; ++i) wants.push_back({i, 2, 0});
+  feed.frame(wants);
+  wants.resize(63);
+  wants.push_back({110, 3, 2});  // free are blocks of 4 x 2 and of 4 x 1, and no superblock
+  feed.frame(wants);
+  EXPECT_EQ(feed.states()[110].level & glsl::kLevelSize, glsl::packLevel(2, 1, false));
+}
+
+TEST_F(Memory, AResetForgetsWhatWasLiveInSuperblocks) {
+  Feed feed(optionsOf({}, {.name = "S2", .columns = false, .stacks = false}), 100);
+  feed.frame(wantAll(20, 3, 3));
+  feed.memory.reset();
+  feed.frame(wantAll(20, 3, 3));
+  feed.frame({});
+  EXPECT_EQ(feed.memory.readStatistics().freeSuperblocks, 63u) << "all but the one that is being filled";
+}
+
 TEST_F(Memory, BlocksThatAreAskedForAreNotCut) {
   Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
   feed.frame(wantAll(64, 3, 3));
@@ -506,7 +527,7 @@ TEST_F(Memory, NothingIsCutThatItsStackCannotHold) {
 
 TEST_F(Memory, WantOfMemoryGivesASmallerBlock) {
   Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
-  feed.frame(wantAll(20, 1, 0));  // one superblock
+  feed.frame(wantAll(20, 1, 0));                                      // one superblock
   Wants wants = wantAll(63, 3, 3);
   for (std::uint32_t i = 100; i < 104; ++i) wants.push_back({i, 2, 2});
   feed.frame(wants);

@@ -5,14 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "apps/tessera/report/report_json.hpp"
 #include "apps/tessera/report/report_table.hpp"
 
 namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 const ReportMethod* methodOf(const ReportScene& scene, const ReportBar& bar) {
   const auto found = std::find_if(scene.methods.begin(), scene.methods.end(),

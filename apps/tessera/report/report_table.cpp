@@ -9,20 +9,24 @@
 #include "engine/measure/metrics.hpp"
 
 namespace tessera {
-namespace {
 
-constexpr const char* kDash = "–";
+std::string formatFixed(double value, int decimals) {
+  if (std::isnan(value)) return kDash;
+  if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
+  return fmt::format("{:.{}f}", value, decimals);
+}
 
-/// Three significant digits or so, as milliseconds and nanoseconds want it.
-std::string duration(double value) {
+std::string formatDuration(double value) {
   const double size = std::abs(value);
   return formatFixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 0.1 ? 2 : 3);
 }
 
 std::string timingCell(const Statistics& ms) {
   if (ms.count == 0) return kDash;
-  return fmt::format("{} <small>p95 {}</small>", duration(ms.median), duration(ms.p95));
+  return fmt::format("{} <small>p95 {}</small>", formatDuration(ms.median), formatDuration(ms.p95));
 }
+
+namespace {
 
 std::string ratio(double value, double reference) {
   const double quotient = value / reference;
@@ -116,12 +120,6 @@ std::string escapeHtml(std::string_view text) {
   return out;
 }
 
-std::string formatFixed(double value, int decimals) {
-  if (std::isnan(value)) return kDash;
-  if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
-  return fmt::format("{:.{}f}", value, decimals);
-}
-
 std::string formatShare(double value) {
   return std::isfinite(value) ? formatFixed(100.0 * value, 1) + " %" : kDash;
 }
@@ -180,16 +178,17 @@ std::string methodTable(const ReportScene& scene) {
   };
   const auto frameMs = [](const ReportMethod& m) { return m.frameMs.median; };
   const auto perSample = [](const ReportMethod& m) { return m.nsPerSample; };
-  out += group(scene, "Time, median",
-               {timingRow("Frame", "ms", &ReportMethod::frameMs),
-                {"Frame against forward", "", [=](const ReportMethod& m) { return against(m, frameMs); }},
-                timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
-                timingRow("Display", "ms", &ReportMethod::displayMs),
-                {"Shading per sample", "ns", [](const ReportMethod& m) { return duration(m.nsPerSample); }},
-                {"Shading per sample that passed depth", "ns",
-                 [](const ReportMethod& m) { return duration(m.nsPerPassed); }},
-                {"Shading per sample against forward", "",
-                 [=](const ReportMethod& m) { return against(m, perSample); }}});
+  out += group(
+      scene, "Time, median",
+      {timingRow("Frame", "ms", &ReportMethod::frameMs),
+       {"Frame against forward", "", [=](const ReportMethod& m) { return against(m, frameMs); }},
+       timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
+       timingRow("Display", "ms", &ReportMethod::displayMs),
+       {"Shading per sample", "ns", [](const ReportMethod& m) { return formatDuration(m.nsPerSample); }},
+       {"Shading per sample that passed depth", "ns",
+        [](const ReportMethod& m) { return formatDuration(m.nsPerPassed); }},
+       {"Shading per sample against forward", "",
+        [=](const ReportMethod& m) { return against(m, perSample); }}});
   out += group(scene, "Time of each pass, median, ms", passRows(scene));
   return out + "</table>\n";
 }
@@ -215,9 +214,9 @@ std::string summaryTable(const Report& report) {
           "<th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
           "<td>{}</td></tr>\n",
           escapeHtml(m.name), formatFixed(m.mssim, 4), formatFixed(m.flip, 4),
-          formatFixed(samplesPerPixel(m), 2), duration(m.frameMs.median),
+          formatFixed(samplesPerPixel(m), 2), formatDuration(m.frameMs.median),
           ratio(m.frameMs.median, forward != nullptr ? forward->frameMs.median : kNotMeasured),
-          duration(m.nsPerSample),
+          formatDuration(m.nsPerSample),
           ratio(m.nsPerSample, forward != nullptr ? forward->nsPerSample : kNotMeasured));
     }
     out += "</tbody>\n";

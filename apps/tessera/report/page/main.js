@@ -1,7 +1,6 @@
 // Builds each scene's pictures and charts from the embedded data.
 'use strict';
 
-const kData = JSON.parse(document.getElementById('data').textContent);
 let drawnCharts = [];
 
 function choice(label, options, selected, onChange) {
@@ -142,18 +141,7 @@ function paint() {
   });
 }
 
-function setTheme(theme) {
-  document.documentElement.dataset.theme = theme;
-  paint();
-}
-
 document.querySelectorAll('.scene').forEach(section => {
   buildPictures(section.querySelector('.pictures'), kData.scenes[section.dataset.scene]);
 });
-const kDark = matchMedia('(prefers-color-scheme: dark)');
-setTheme(kDark.matches ? 'dark' : 'light');
-kDark.addEventListener('change', () => setTheme(kDark.matches ? 'dark' : 'light'));
-document.getElementById('theme').addEventListener('click', () => {
-  setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
-});
-addEventListener('beforeprint', () => setTheme('light'));
+startTheme(paint);

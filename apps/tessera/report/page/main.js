@@ -93,7 +93,9 @@ function buildPictures(parent, scene) {
   errorFigure.append(legend(scene.errorFull));
   const atlasFigure = figure('Shading atlas', atlasStage, [atlasNote]);
   const side = element('div', 'side');
-  side.append(errorFigure, atlasFigure);
+  // A run without the metric has no map of it at all.
+  if (methods.some(method => method.frames.some(candidate => candidate.error))) side.append(errorFigure);
+  side.append(atlasFigure);
   parent.append(main, side);
 
   function update() {

@@ -48,12 +48,12 @@ std::vector<ReportFigure> allFigures() {
         limited("rect-stereo", 8),
         limited("rect-stereo", 16),
         unlimited("rect-stereo")}});
-  figures.push_back(
-      {"4.6",
-       "Foveated rendering",
-       "The eye looks at the middle of the picture. Besides MSSIM its mean weighted by what the eye "
-       "resolves at each pixel.",
-       {limited("rect:foveate", 8), limited("rect:foveate", 16), unlimited("rect:foveate")}});
+  figures.push_back({"4.6",
+                     "Foveated rendering",
+                     "The eye looks at the middle of the picture. Beside MSSIM, SSIM at the scale that "
+                     "the eye resolves at each pixel, weighted by the share of the display's cycles that it "
+                     "resolves there.",
+                     {limited("rect:foveate", 8), limited("rect:foveate", 16), unlimited("rect:foveate")}});
   figures.push_back(
       {"4.7",
        "Stereo through a lens",

@@ -2,10 +2,9 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <vector>
 
 #include "apps/tessera/compare/pictures.hpp"
-#include "engine/measure/acuity.hpp"
 
 namespace tessera::app {
 
@@ -17,10 +16,6 @@ double decibels(double squaredError) {
   return squaredError == 0.0 ? std::numeric_limits<double>::infinity() : -10.0 * std::log10(squaredError);
 }
 
-double plainMean(const std::vector<float>& map) {
-  return std::accumulate(map.begin(), map.end(), 0.0) / static_cast<double>(map.size());
-}
-
 }  // namespace
 
 Result<Quality> qualityOf(std::span<const Image> references, std::span<const Image> pictures,
@@ -29,23 +24,21 @@ Result<Quality> qualityOf(std::span<const Image> references, std::span<const Ima
   if (references.size() != pictures.size() || pictures.empty())
     return fail("{} pictures cannot be compared with {} of the reference", pictures.size(),
                 references.size());
-  std::vector<float> weights;
-  if (foveation) {
-    auto made = acuityWeights(pictures[0].width, pictures[0].height, fovY, *foveation);
-    if (!made) return tl::unexpected(made.error());
-    weights = std::move(*made);
-  }
   Quality quality;
   double similarity = 0.0;
-  double weighted = 0.0;
+  double byAcuity = 0.0;
   double squared = 0.0;
   double difference = 0.0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    auto map = foveation ? mssim(references[i], pictures[i], weights) : mssim(references[i], pictures[i]);
+    const auto map = mssim(references[i], pictures[i]);
     if (!map) return tl::unexpected(map.error());
-    if (foveation) weighted += map->mean;
-    quality.mssimViews.push_back(foveation ? plainMean(map->map) : map->mean);
-    similarity += quality.mssimViews.back();
+    quality.mssimViews.push_back(map->mean);
+    similarity += map->mean;
+    if (foveation) {
+      const auto resolved = acuityMssim(references[i], pictures[i], fovY, *foveation);
+      if (!resolved) return tl::unexpected(resolved.error());
+      byAcuity += *resolved;
+    }
     if (metrics.psnr) {
       auto ratio = psnr(references[i], pictures[i]);
       if (!ratio) return tl::unexpected(ratio.error());
@@ -62,7 +55,7 @@ Result<Quality> qualityOf(std::span<const Image> references, std::span<const Ima
   }
   const auto eyes = static_cast<double>(pictures.size());
   quality.mssim = similarity / eyes;
-  if (foveation) quality.mssimAcuity = weighted / eyes;
+  if (foveation) quality.mssimAcuity = byAcuity / eyes;
   if (metrics.psnr) quality.psnr = decibels(squared / eyes);
   if (metrics.flip) quality.flip = difference / eyes;
   return quality;

@@ -54,7 +54,7 @@ struct ReportMethod {
   int views = 1;                      // pictures a frame: 2 for stereo, whose counts are of both
   double mssim = kNotMeasured;        // mean against the reference
   std::vector<double> mssimViews;     // of each picture, the left eye first
-  double mssimAcuity = kNotMeasured;  // the same, weighted by what the eye resolves; of foveated methods
+  double mssimAcuity = kNotMeasured;  // see acuityMssim; of foveated methods
   double psnrDb = kNotMeasured;       // infinite where every picture equals forward's: null in report.json
   double flip = kNotMeasured;
   double samplesShaded = kNotMeasured;

@@ -23,10 +23,17 @@ class StreamFeed {
         numbers_(patchInstances, 0) {}
 
   /// Uploads a frame; RectMemory::allocate(dispatch(), number()) comes next.
-  void upload(const RequestFrame& frame, const IdealTexels& ideal, RectMemory& memory) {
+  void upload(const RequestFrame& frame, const glsl::AtlasConfig& config, RectMemory& memory) {
+    const IdealTexels ideal = sumIdeal(config, frame.measures);
+    std::uint64_t fresh = 0;  // of patches that the last frame did not see
     ++number_;
     const auto count = static_cast<std::uint32_t>(frame.patches.size());
-    for (const std::uint32_t patch : frame.patches) numbers_[patch] = number_;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      std::uint32_t& seen = numbers_[frame.patches[i]];
+      if (seen == 0 || seen + 1 != number_)
+        fresh += glsl::idealTexels(frame.measures[i], config.constantBias, config.range);
+      seen = number_;
+    }
     list_.writeValue(count);
     list_.write(std::span<const std::uint32_t>(frame.patches), sizeof(std::uint32_t));
     marks_.write(std::span<const std::uint32_t>(numbers_));
@@ -37,6 +44,8 @@ class StreamFeed {
     sum.low = static_cast<glsl::uint>(ideal.scalable);
     sum.high = static_cast<glsl::uint>(ideal.scalable >> 32U);
     sum.ones = ideal.least;
+    sum.newLow = static_cast<glsl::uint>(fresh);
+    sum.newHigh = static_cast<glsl::uint>(fresh >> 32U);
     memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
     list_.bindStorage(BIND_VISIBLE);
     marks_.bindStorage(BIND_VISIBLE_MARK);
@@ -79,7 +88,7 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
   BenchRun run{strategy.name, {}};
   for (std::size_t f = 0; f < stream.frames(); ++f) {
     if (auto read = reader.next(frame); !read) return tl::unexpected(read.error());
-    feed.upload(frame, sumIdeal(config, frame.measures), memory);
+    feed.upload(frame, config, memory);
     timer.begin();
     memory.allocate(feed.dispatch(), feed.number());
     timer.end();

@@ -12,11 +12,11 @@ void release(uint patchId) {
   if (marks[patchId] == uFrame) return;  // still visible: its own thread decides
   if (patchStates[patchId].epoch != atlas.epoch) return;
   uint level = patchStates[patchId].level;
-  if (levelWidth(level) == 0u) return;
-  giveBack(level, patchStates[patchId].origin);
-  atomicAdd(atlas.events.freed, 1u);
-  patchStates[patchId].origin = recordOrigin(atlas.config, patchId);
-  patchStates[patchId].level = 0u;
+  if (levelWidth(level) > 0u) {
+    giveBack(level, patchStates[patchId].origin);
+    atomicAdd(atlas.events.freed, 1u);
+  }
+  patchStates[patchId] = PatchState(recordOrigin(atlas.config, patchId), 0u, 0u);
 }
 
 void request(uint patchId, PatchMeasure measure) {

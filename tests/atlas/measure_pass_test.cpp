@@ -333,6 +333,33 @@ TEST_F(MeasurePass, AboveTheSoftMarkTheTargetShrinks) {
   EXPECT_EQ(frame(plain).target, 0.65f * kTexels) << "the published strategies know no soft mark";
 }
 
+TEST_F(MeasurePass, CountsWhatTheLastFrameDidNotSee) {
+  PatchScene scene(600, 0, 0, 1, 0.5f);
+  RectMemory memory = make({}, scene.patchCount);
+  const auto newTexels = [&](std::uint32_t visible) {
+    scene.upload({viewFrom(0, 0, 60, 5000)}, visible);
+    memory.measure(scene.dispatch, scene.frame, 1);
+    const glsl::AtlasState measured = memory.readState();
+    std::uint64_t fresh = 0;
+    std::uint64_t all = 0;
+    for (const glsl::IdealSum& sum : measured.ideal) {
+      fresh += (std::uint64_t{sum.newHigh} << 32) + sum.newLow;
+      all += (std::uint64_t{sum.high} << 32) + sum.low;
+    }
+    memory.allocate(scene.dispatch, scene.frame);
+    return std::pair(fresh, all);
+  };
+  const auto first = newTexels(scene.patchCount / 2);
+  EXPECT_EQ(first.first, first.second);
+  EXPECT_GT(first.first, 0u);
+  EXPECT_EQ(newTexels(scene.patchCount / 2).first, 0u);
+  const auto third = newTexels(scene.patchCount);
+  EXPECT_EQ(third.first, third.second - first.second);
+  EXPECT_EQ(newTexels(scene.patchCount / 2).first, 0u);
+  EXPECT_EQ(newTexels(scene.patchCount).first, third.first)
+      << "what went out of sight is new when it comes back";
+}
+
 TEST_F(MeasurePass, ConstantBiasHalvesTexels) {
   PatchScene scene(5000, 0, 0, 1, 0.3f);
   scene.upload({viewFrom(0, 0, 60, 900)}, scene.patchCount);

@@ -525,6 +525,31 @@ TEST_F(Memory, NothingIsCutThatItsStackCannotHold) {
   EXPECT_TRUE(checkPartition(feed.memory.readSnapshot()));
 }
 
+TEST_F(Memory, ACameraThatJumpsFindsMemoryPackedAfresh) {
+  for (const bool held : {false, true}) {
+    Feed feed(optionsOf({}), 200);  // 64 superblocks of 8 x 8
+    feed.memory.holdReset(held);
+    feed.frame(wantAll(60, 3, 3));
+    Wants others;
+    for (std::uint32_t i = 100; i < 160; ++i) others.push_back({i, 3, 2});
+    // What the measuring pass would say: all of them are new.
+    glsl::IdealSum sum{};
+    sum.low = sum.newLow = 60 * 32;
+    feed.memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
+    feed.frame(others);
+    const RectStatistics now = feed.memory.readStatistics();
+    EXPECT_EQ(now.resets, held ? 0u : 1u);
+    EXPECT_EQ(now.failures, held ? 60u - 8u : 0u);
+    EXPECT_EQ(feed.memory.readState().ideal[0].newLow, 0u);
+    if (held) continue;
+    // Fewer than half of what the atlas aims at: the others may have their places.
+    sum.newLow = 16 * 64;
+    feed.memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
+    feed.frame(others);
+    EXPECT_EQ(feed.memory.readStatistics().resets, 1u);
+  }
+}
+
 TEST_F(Memory, WantOfMemoryGivesASmallerBlock) {
   Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
   feed.frame(wantAll(20, 1, 0));                                      // one superblock

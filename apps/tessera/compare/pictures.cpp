@@ -34,15 +34,18 @@ Image halved(const Image& image, int largestSide) {
   return small;
 }
 
-namespace {
-constexpr std::size_t kPictures = 3;
-}  // namespace
-
-std::vector<std::size_t> pictureFrames(std::size_t frames) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < std::min(kPictures, frames); ++i)
-    chosen.push_back(frames <= kPictures ? i : (2 * i + 1) * frames / (2 * kPictures));
-  return chosen;
+PictureBudget pictureBudget(std::size_t frames, std::size_t runs) {
+  constexpr std::size_t kMany = 30;
+  const bool many = runs > kMany;
+  const std::size_t pictures = many ? 1 : 3;
+  PictureBudget budget;
+  for (std::size_t i = 0; i < std::min(pictures, frames); ++i)
+    budget.frames.push_back(frames <= pictures ? i : (2 * i + 1) * frames / (2 * pictures));
+  if (many) {
+    budget.quality = 80;
+    budget.atlasSide = 1024;
+  }
+  return budget;
 }
 
 }  // namespace tessera::app

@@ -14,7 +14,14 @@ std::size_t coveredPixels(const Image& image);
 std::size_t holesOf(const Image& reference, const Image& test);
 /// Halved until no side is longer than `largestSide`.
 Image halved(const Image& image, int largestSide);
-/// Which of a run's frames the page shows: three at most, spread over it.
-std::vector<std::size_t> pictureFrames(std::size_t frames);
+/// What the page shows of each method's run, so that a browser opens a page of many methods and scenes at
+/// once.
+struct PictureBudget {
+  std::vector<std::size_t> frames;  // spread over the run
+  int quality = 90;                 // of JPEG
+  int atlasSide = 2048;             // pixels, at most
+};
+/// For a run of `frames` frames, on a page of so many runs: three pictures a run, one where runs are many.
+PictureBudget pictureBudget(std::size_t frames, std::size_t runs);
 
 }  // namespace tessera::app

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "apps/tessera/compare/pictures.hpp"
 #include "engine/measure/colormap.hpp"
 
 namespace tessera::app {
@@ -12,10 +11,8 @@ namespace tessera::app {
 namespace {
 
 // A page of four scenes and five methods stays a page that a browser opens at once.
-constexpr int kPictureQuality = 90;
 constexpr int kErrorQuality = 75;
 constexpr int kAtlasQuality = 80;
-constexpr int kAtlasPreview = 2048;
 
 bool has(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -29,7 +26,7 @@ Runs::Runs(Engine& engine, const std::vector<TimedView>& views, const std::vecto
       views_(views),
       options_(options),
       metrics_{has(options.metrics, "psnr"), has(options.metrics, "flip")},
-      chosen_(pictureFrames(views.size())),
+      budget_(pictureBudget(views.size(), options.scenes.size() * methods.size())),
       references_(methods) {}
 
 Result<Series> Runs::run(const Method& method, Progress& progress) {
@@ -94,7 +91,7 @@ Result<void> Runs::frame(const Method& method, std::size_t f, Series& series) {
   series.covered.push_back(static_cast<double>(quality->covered));
   series.holes += static_cast<double>(quality->holes);
   if (atlas) keepAtlasNumbers(f, series);
-  if (std::find(chosen_.begin(), chosen_.end(), f) != chosen_.end())
+  if (std::find(budget_.frames.begin(), budget_.frames.end(), f) != budget_.frames.end())
     keepPictures(f, drawn.pictures.back(), *quality, atlas, series);
   return {};
 }
@@ -117,12 +114,13 @@ void Runs::keepPictures(std::size_t f, const Image& picture, const Quality& qual
   using Bytes = std::vector<std::uint8_t>;
   ReportFrame pictures;
   pictures.frame = static_cast<int>(f);
-  pictures.image = encodeJpeg(picture, kPictureQuality).value_or(Bytes());
+  pictures.image = encodeJpeg(picture, budget_.quality).value_or(Bytes());
   if (quality.error)
     pictures.error = encodeJpeg(errorMap(*quality.error, kErrorFull), kErrorQuality).value_or(Bytes());
   // One atlas picture a method: the page shows it beside every frame.
   if (atlas && series.pictures.empty())
-    pictures.atlas = encodeJpeg(halved(engine_.readAtlas(), kAtlasPreview), kAtlasQuality).value_or(Bytes());
+    pictures.atlas =
+        encodeJpeg(halved(engine_.readAtlas(), budget_.atlasSide), kAtlasQuality).value_or(Bytes());
   series.pictures.push_back(std::move(pictures));
 }
 

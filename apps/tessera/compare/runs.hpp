@@ -4,6 +4,7 @@
 #include <span>
 
 #include "apps/tessera/compare/options.hpp"
+#include "apps/tessera/compare/pictures.hpp"
 #include "apps/tessera/compare/quality.hpp"
 #include "apps/tessera/compare/references.hpp"
 #include "apps/tessera/compare/series.hpp"
@@ -32,7 +33,7 @@ class Runs {
   const std::vector<TimedView>& views_;
   const CompareOptions& options_;
   MetricChoice metrics_;
-  std::vector<std::size_t> chosen_;
+  PictureBudget budget_;
   References references_;
 };
 

@@ -17,11 +17,11 @@ Result<void> check(const Foveation& foveation) {
   return {};
 }
 
-Result<std::vector<float>> acuityWeights(int width, int height, double fovY, const Foveation& foveation) {
+Result<std::vector<float>> acuityScales(int width, int height, double fovY, const Foveation& foveation) {
   if (auto good = check(foveation); !good) return tl::unexpected(good.error());
-  if (width < 1 || height < 1) return fail("acuity weights: a picture of {} x {} pixels", width, height);
+  if (width < 1 || height < 1) return fail("acuity: a picture of {} x {} pixels", width, height);
   if (!(fovY > 0.0 && fovY < std::numbers::pi))
-    return fail("acuity weights: a field of view of {} radians is outside (0, pi)", fovY);
+    return fail("acuity: a field of view of {} radians is outside (0, pi)", fovY);
   // Rays of a rectilinear picture, a unit ahead of the eye.
   const double pixel = 2.0 * std::tan(fovY * 0.5) / height;
   const auto ray = [&](double x, double y) {
@@ -29,16 +29,15 @@ Result<std::vector<float>> acuityWeights(int width, int height, double fovY, con
   };
   const glm::vec3 gaze = ray(foveation.gaze.x * width, foveation.gaze.y * height);
   const float cycle = glsl::degreesPerCycle(static_cast<float>(height / fovY));
-  std::vector<float> weights;
-  weights.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<float> scales;
+  scales.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const float degrees = glsl::angleBetween(gaze, ray(x + 0.5, y + 0.5)) * glsl::kDegreesPerRadian;
-      const float scale = glsl::acuityScale(degrees, static_cast<float>(foveation.slope),
-                                            static_cast<float>(foveation.smallest), cycle);
-      weights.push_back(1.0f / (scale * scale));
+      scales.push_back(glsl::acuityScale(degrees, static_cast<float>(foveation.slope),
+                                         static_cast<float>(foveation.smallest), cycle));
     }
-  return weights;
+  return scales;
 }
 
 }  // namespace tessera

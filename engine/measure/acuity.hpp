@@ -20,10 +20,10 @@ struct Foveation {
 /// Fails with the number that is outside its range.
 Result<void> check(const Foveation& foveation);
 
-/// Weight of each pixel of a picture, rows from the top, in (0, 1]: the share of the display's cycles that
-/// the eye can resolve there, 1 / s^2 of eq. 4.2 over both directions, 1 where it sees all of them. Summed
-/// over a picture this counts what can be told apart, so every resolvable detail has one vote. `fovY` in
-/// radians, (0, pi). Fails where check() does, and for a size below 1 or a field of view outside its range.
-Result<std::vector<float>> acuityWeights(int width, int height, double fovY, const Foveation& foveation = {});
+/// Acuity scale s of each pixel of a picture, rows from the top: how many times larger than the display's
+/// smallest cycle, of two pixels, the smallest is that the eye resolves there (eq. 4.2), at least 1. `fovY`
+/// in radians, (0, pi). Fails where check() does, and for a size below 1 or a field of view outside its
+/// range.
+Result<std::vector<float>> acuityScales(int width, int height, double fovY, const Foveation& foveation = {});
 
 }  // namespace tessera

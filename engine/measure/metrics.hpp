@@ -1,11 +1,11 @@
 // Image metrics: MSSIM, PSNR and FLIP of two 8-bit images. No GL.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "engine/core/result.hpp"
 #include "engine/image/image.hpp"
+#include "engine/measure/acuity.hpp"
 
 namespace tessera {
 
@@ -23,10 +23,14 @@ struct MetricMap {
 /// use the largest window that fits. Values in -1..1, 1 where the windows are equal. Fails when sizes differ
 /// or an image is empty.
 Result<MetricMap> mssim(const Image& reference, const Image& test);
-/// The same map with a weighted mean: `weights` is width * height of the images, rows from the top, each
-/// finite and >= 0, one a pixel; a window counts by the pixel at its middle. Fails also where weights do not
-/// fit or are all 0.
-Result<MetricMap> mssim(const Image& reference, const Image& test, std::span<const float> weights);
+/// SSIM at the scale that the eye resolves, averaged by the share of the display's cycles that it resolves
+/// there. `fovY` is the pictures' vertical field of view in radians, (0, pi). A pixel of acuity scale s (see
+/// acuityScales) takes mssim's SSIM between the two levels around log2 s of a pyramid, linearly; each level
+/// is half as large, means of 2 x 2 of the luma. Its weight is 1 / s^2, so all that can be told apart has one
+/// vote. Counted are the pixels that mssim counts, and where s = 1 everywhere this is mssim's mean; on
+/// coarser levels a pixel near the border takes the nearest whole window. Fails as mssim and acuityScales do.
+Result<double> acuityMssim(const Image& reference, const Image& test, double fovY,
+                           const Foveation& foveation = {});
 /// DSSIM = (1 - MSSIM) / 2.
 inline double dssim(double mssimMean) { return (1.0 - mssimMean) * 0.5; }
 /// PSNR over the three colour channels in dB; infinity for equal images. Fails as mssim does.

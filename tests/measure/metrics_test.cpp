@@ -41,6 +41,16 @@ Image waves(int width, int height, double phase) {
   return image;
 }
 
+/// `in` with up to `amount` less or more in each channel.
+Image noisy(const Image& in, int amount) {
+  std::mt19937 random(11);
+  Image out = in;
+  for (std::uint8_t& value : out.pixels)
+    value = static_cast<std::uint8_t>(std::clamp(
+        value + static_cast<int>(random() % (2U * static_cast<unsigned>(amount) + 1U)) - amount, 0, 255));
+  return out;
+}
+
 Image upsideDown(const Image& in) {
   Image out = in;
   for (int y = 0; y < in.height; ++y) std::copy_n(in.at(0, in.height - 1 - y), in.width * 4, out.at(0, y));
@@ -95,49 +105,45 @@ TEST(Psnr, EqualIsInfiniteAndAlphaIsNotSeen) {
 
 // ---- MSSIM ----
 
-/// The definition, window by window, with a 2D kernel and central moments; a window counts by `share` of the
-/// pixel at its middle.
-template <class Share>
-double mssimByDefinition(const Image& a, const Image& b, Share&& share) {
-  const auto luma = [](const std::uint8_t* p) {
-    return (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) / 255;
-  };
+double luma(const std::uint8_t* p) { return (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) / 255; }
+
+/// The definition for one window, by a 2D kernel and central moments; `a` and `b` give the luma at a column
+/// and row of the window.
+template <class A, class B>
+double ssimByDefinition(A&& a, B&& b) {
   double weights[11][11];
   double total = 0;
   for (int j = 0; j < 11; ++j)
     for (int i = 0; i < 11; ++i)
       total += weights[j][i] = std::exp(-((i - 5) * (i - 5) + (j - 5) * (j - 5)) / 8.0);
-  double sum = 0;
-  double windows = 0;
-  for (int y = 0; y + 11 <= a.height; ++y)
-    for (int x = 0; x + 11 <= a.width; ++x) {
-      double ma = 0;
-      double mb = 0;
-      for (int j = 0; j < 11; ++j)
-        for (int i = 0; i < 11; ++i) {
-          ma += weights[j][i] / total * luma(a.at(x + i, y + j));
-          mb += weights[j][i] / total * luma(b.at(x + i, y + j));
-        }
-      double va = 0;
-      double vb = 0;
-      double cov = 0;
-      for (int j = 0; j < 11; ++j)
-        for (int i = 0; i < 11; ++i) {
-          const double da = luma(a.at(x + i, y + j)) - ma;
-          const double db = luma(b.at(x + i, y + j)) - mb;
-          va += weights[j][i] / total * da * da;
-          vb += weights[j][i] / total * db * db;
-          cov += weights[j][i] / total * da * db;
-        }
-      const double counts = share(x + 5, y + 5);
-      sum += counts * (2 * ma * mb + 1e-4) / (ma * ma + mb * mb + 1e-4) * (2 * cov + 9e-4) / (va + vb + 9e-4);
-      windows += counts;
+  double ma = 0;
+  double mb = 0;
+  for (int j = 0; j < 11; ++j)
+    for (int i = 0; i < 11; ++i) {
+      ma += weights[j][i] / total * a(i, j);
+      mb += weights[j][i] / total * b(i, j);
     }
-  return sum / windows;
+  double va = 0;
+  double vb = 0;
+  double cov = 0;
+  for (int j = 0; j < 11; ++j)
+    for (int i = 0; i < 11; ++i) {
+      const double da = a(i, j) - ma;
+      const double db = b(i, j) - mb;
+      va += weights[j][i] / total * da * da;
+      vb += weights[j][i] / total * db * db;
+      cov += weights[j][i] / total * da * db;
+    }
+  return (2 * ma * mb + 1e-4) / (ma * ma + mb * mb + 1e-4) * (2 * cov + 9e-4) / (va + vb + 9e-4);
 }
 
 double mssimByDefinition(const Image& a, const Image& b) {
-  return mssimByDefinition(a, b, [](int, int) { return 1.0; });
+  double sum = 0;
+  for (int y = 0; y + 11 <= a.height; ++y)
+    for (int x = 0; x + 11 <= a.width; ++x)
+      sum += ssimByDefinition([&](int i, int j) { return luma(a.at(x + i, y + j)); },
+                              [&](int i, int j) { return luma(b.at(x + i, y + j)); });
+  return sum / ((a.width - 10) * (a.height - 10));
 }
 
 TEST(Mssim, EqualsTheDefinition) {
@@ -182,15 +188,21 @@ TEST(Mssim, SmallImagesUseTheLargestWindowThatFits) {
   }
 }
 
-// ---- acuity-weighted MSSIM ----
+TEST(Mssim, DssimIsHalfTheDistanceToOne) {
+  EXPECT_DOUBLE_EQ(dssim(1.0), 0.0);
+  EXPECT_DOUBLE_EQ(dssim(0.9), 0.05);
+  EXPECT_DOUBLE_EQ(dssim(-1.0), 1.0);
+}
+
+// ---- MSSIM at the scale of the eye ----
 
 constexpr double kFovY = 1.0471975512;  // 60 degrees
 
-/// 1 / s^2 of a pixel, worked in degrees from the law of cosines.
-double weightByHand(int width, int height, int x, int y, double gazeX, double gazeY) {
+/// The acuity scale of a pixel, worked in degrees from the law of cosines.
+double scaleByHand(int width, int height, int x, int y, const Foveation& eye) {
   const double pixel = 2 * std::tan(kFovY / 2) / height;
-  const double ax = (gazeX - 0.5) * width * pixel;
-  const double ay = (gazeY - 0.5) * height * pixel;
+  const double ax = (eye.gaze.x - 0.5) * width * pixel;
+  const double ay = (eye.gaze.y - 0.5) * height * pixel;
   const double bx = (x + 0.5 - 0.5 * width) * pixel;
   const double by = (y + 0.5 - 0.5 * height) * pixel;
   const double a2 = 1 + ax * ax + ay * ay;
@@ -198,102 +210,170 @@ double weightByHand(int width, int height, int x, int y, double gazeX, double ga
   const double c2 = (ax - bx) * (ax - bx) + (ay - by) * (ay - by);
   const double degrees =
       std::acos(std::min(1.0, (a2 + b2 - c2) / (2 * std::sqrt(a2 * b2)))) * 57.29577951308232;
-  const double s = (0.022 * degrees + 1.0 / 48) / (2 * 60.0 / height);
-  return s > 1 ? 1 / (s * s) : 1.0;
+  return std::max(1.0, (eye.slope * degrees + eye.smallest) / (2 * 60.0 / height));
 }
 
-TEST(AcuityWeights, AreTheAcuityCurve) {
+TEST(AcuityScales, AreTheAcuityCurve) {
   const int width = 96;
   const int height = 540;  // pixels small enough for the eye to tell them apart only near the gaze
-  const auto weights = acuityWeights(width, height, kFovY, {{0.25, 0.75}});
-  ASSERT_TRUE(weights);
-  double least = 1.0;
-  std::size_t full = 0;
+  const Foveation eye{{0.25, 0.75}};
+  const auto scales = acuityScales(width, height, kFovY, eye);
+  ASSERT_TRUE(scales);
+  double largest = 1.0;
+  std::size_t least = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const float weight = (*weights)[static_cast<std::size_t>(y * width + x)];
-      ASSERT_NEAR(weight, weightByHand(width, height, x, y, 0.25, 0.75), 1e-5) << x << ", " << y;
-      least = std::min(least, static_cast<double>(weight));
-      full += weight == 1.0F ? 1 : 0;
+      const float scale = (*scales)[static_cast<std::size_t>(y * width + x)];
+      ASSERT_NEAR(scale, scaleByHand(width, height, x, y, eye), 1e-5) << x << ", " << y;
+      largest = std::max(largest, static_cast<double>(scale));
+      least += scale == 1.0F ? 1 : 0;
     }
-  EXPECT_LT(least, 0.1);
-  EXPECT_GT(full, 1000U);
+  EXPECT_GT(largest, 3.0);
+  EXPECT_GT(least, 1000U);
 }
 
-TEST(AcuityWeights, BadNumbersAreNamed) {
-  EXPECT_NE(acuityWeights(0, 5, 1.0).error().message.find("0 x 5"), std::string::npos);
-  EXPECT_NE(acuityWeights(5, 5, 4.0).error().message.find("4 radians"), std::string::npos);
-  EXPECT_NE(acuityWeights(5, 5, 1.0, {{0.5, 0.5}, -1.0}).error().message.find("-1"), std::string::npos);
-  EXPECT_NE(acuityWeights(5, 5, 1.0, {{0.5, std::nan("")}}).error().message.find("nan"), std::string::npos);
-  EXPECT_FALSE(acuityWeights(5, 5, std::nan("")));
+TEST(AcuityScales, BadNumbersAreNamed) {
+  EXPECT_NE(acuityScales(0, 5, 1.0).error().message.find("0 x 5"), std::string::npos);
+  EXPECT_NE(acuityScales(5, 5, 4.0).error().message.find("4 radians"), std::string::npos);
+  EXPECT_NE(acuityScales(5, 5, 1.0, {{0.5, 0.5}, -1.0}).error().message.find("-1"), std::string::npos);
+  EXPECT_NE(acuityScales(5, 5, 1.0, {{0.5, std::nan("")}}).error().message.find("nan"), std::string::npos);
+  EXPECT_FALSE(acuityScales(5, 5, std::nan("")));
 }
 
-TEST(WeightedMssim, EqualWeightsGiveThePlainMean) {
-  const Image a = waves(53, 90, 0.0);
-  const Image b = noise(53, 90, 3);
-  for (const float weight : {1.0F, 0.25F}) {
-    const auto weighted = mssim(a, b, std::vector<float>(53 * 90, weight));
-    ASSERT_TRUE(weighted);
-    EXPECT_NEAR(weighted->mean, mssim(a, b)->mean, 1e-7);  // summed from the map's floats
-    EXPECT_EQ(weighted->map, mssim(a, b)->map);
-  }
+/// A picture's luma on a level of half sizes, each value from the four below it.
+double lumaAt(const Image& image, int level, int x, int y) {
+  const int width = (image.width + (1 << level) - 1) >> level;
+  const int height = (image.height + (1 << level) - 1) >> level;
+  x = std::min(x, width - 1);
+  y = std::min(y, height - 1);
+  if (level == 0) return luma(image.at(x, y));
+  double sum = 0;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) sum += lumaAt(image, level - 1, 2 * x + i, 2 * y + j);
+  return sum / 4;
 }
 
-TEST(WeightedMssim, EqualsTheDefinition) {
-  const int width = 120;
+/// SSIM of the window whose middle is nearest to (x, y) on a level, for levels of 11 pixels and more.
+double ssimAt(const Image& a, const Image& b, int level, int x, int y) {
+  const int width = (a.width + (1 << level) - 1) >> level;
+  const int height = (a.height + (1 << level) - 1) >> level;
+  const int left = std::clamp(x, 5, width - 6) - 5;
+  const int top = std::clamp(y, 5, height - 6) - 5;
+  return ssimByDefinition([&](int i, int j) { return lumaAt(a, level, left + i, top + j); },
+                          [&](int i, int j) { return lumaAt(b, level, left + i, top + j); });
+}
+
+TEST(AcuityMssim, EqualsTheDefinition) {
+  const int width = 117;  // odd from the first level on, and on the second in height
   const int height = 90;
-  // A wide display: the weights fall to less than a tenth over it.
-  const Foveation eye{{0.3, 0.6}, 0.1, 0.3};
-  const auto weights = acuityWeights(width, height, kFovY, eye);
-  ASSERT_TRUE(weights);
-  EXPECT_LT(*std::min_element(weights->begin(), weights->end()), 0.1F);
+  // A display so large that 1 to 8 of its cycles go into one that this eye resolves.
+  const Foveation eye{{0.2, 0.6}, 0.13, 0.3};
   const Image a = waves(width, height, 0.0);
-  const Image b = waves(width, height, 0.6);
-  const auto result = mssim(a, b, *weights);
-  ASSERT_TRUE(result);
-  const double expected = mssimByDefinition(a, b, [&](int x, int y) {
-    return static_cast<double>((*weights)[static_cast<std::size_t>(y * width + x)]);
-  });
-  EXPECT_NEAR(result->mean, expected, 1e-6);
-  EXPECT_GT(std::abs(result->mean - mssim(a, b)->mean), 1e-3) << "the weights made no difference";
+  const Image b = noisy(waves(width, height, 0.3), 9);
+  const auto result = acuityMssim(a, b, kFovY, eye);
+  ASSERT_TRUE(result) << result.error().message;
+  double sum = 0;
+  double total = 0;
+  double largest = 0;
+  for (int y = 5; y < height - 5; ++y)
+    for (int x = 5; x < width - 5; ++x) {
+      const double s = scaleByHand(width, height, x, y, eye);
+      const int k = static_cast<int>(std::floor(std::log2(s)));
+      const double toCoarse = std::log2(s) - k;
+      const double fine = ssimAt(a, b, k, x >> k, y >> k);
+      const double coarse = ssimAt(a, b, k + 1, x >> (k + 1), y >> (k + 1));
+      sum += (fine * (1 - toCoarse) + coarse * toCoarse) / (s * s);
+      total += 1 / (s * s);
+      largest = std::max(largest, s);
+    }
+  EXPECT_GT(largest, 4.0) << "fewer levels than meant";
+  EXPECT_LT(largest, 8.0) << "levels smaller than a window";
+  EXPECT_NEAR(*result, sum / total, 1e-6);
+  EXPECT_GT(std::abs(*result - mssim(a, b)->mean), 1e-2) << "the eye made no difference";
 }
 
-TEST(WeightedMssim, AnErrorAtTheGazeCountsMore) {
-  const int width = 200;
-  const int height = 120;
-  const auto weights = acuityWeights(width, height, kFovY, {{0.25, 0.5}, 0.1, 0.3});
-  ASSERT_TRUE(weights);
-  const Image clean = waves(width, height, 0.0);
-  const auto spoiled = [&](int left) {
-    Image image = clean;
-    const Image dirt = noise(width, height, 3);
-    for (int y = 50; y < 70; ++y)
-      for (int x = left; x < left + 20; ++x) std::copy_n(dirt.at(x, y), 3, image.at(x, y));
-    return image;
-  };
-  const double atGaze = 1.0 - mssim(clean, spoiled(40), *weights)->mean;
-  const double aside = 1.0 - mssim(clean, spoiled(160), *weights)->mean;
-  EXPECT_GT(atGaze, 5.0 * aside);
-  EXPECT_GT(aside, 0.0);
-}
-
-TEST(WeightedMssim, WeightsThatDoNotFitAreRefused) {
-  const Image image = noise(20, 20, 1);
-  EXPECT_NE(mssim(image, image, std::vector<float>(399, 1.0F)).error().message.find("399"),
-            std::string::npos);
-  EXPECT_FALSE(mssim(image, image, std::vector<float>(400, 0.0F)));
-  std::vector<float> odd(400, 1.0F);
-  for (const float bad : {-1.0F, std::nanf(""), std::numeric_limits<float>::infinity()}) {
-    odd[7] = bad;
-    EXPECT_FALSE(mssim(image, image, odd)) << bad;
+TEST(AcuityMssim, WithoutFalloffIsMssim) {
+  const Foveation sharp{{0.1, 0.9}, 0.0, 1e-6};
+  for (const auto& [width, height] : {std::pair{53, 90}, {11, 11}, {3, 2}, {1, 1}}) {
+    const Image a = waves(width, height, 0.0);
+    const Image b = noise(width, height, 3);
+    const auto result = acuityMssim(a, b, kFovY, sharp);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_NEAR(*result, mssim(a, b)->mean, 1e-7) << width << " x " << height;  // summed from floats
   }
-  EXPECT_EQ(mssim(noise(3, 2, 1), noise(3, 2, 1), std::vector<float>(6, 0.5F))->mean, 1.0);
 }
 
-TEST(Mssim, DssimIsHalfTheDistanceToOne) {
-  EXPECT_DOUBLE_EQ(dssim(1.0), 0.0);
-  EXPECT_DOUBLE_EQ(dssim(0.9), 0.05);
-  EXPECT_DOUBLE_EQ(dssim(-1.0), 1.0);
+TEST(AcuityMssim, EqualIsOneForAnyEye) {
+  for (const auto& [width, height] : {std::pair{200, 120}, {7, 300}, {3, 2}, {1, 1}}) {
+    const Image image = noise(width, height, 5);
+    for (const Foveation& eye : {Foveation{}, {{0.9, 0.1}, 0.1, 0.3}, {{-50.0, 3.0}, 10.0, 90.0}})
+      EXPECT_NEAR(acuityMssim(image, image, kFovY, eye).value(), 1.0, 1e-12) << width << " x " << height;
+  }
+}
+
+/// `clean` with 20 x 20 pixels of another picture.
+Image spoiled(const Image& clean, const Image& dirt, int left, int top) {
+  Image image = clean;
+  for (int y = top; y < top + 20; ++y)
+    for (int x = left; x < left + 20; ++x) std::copy_n(dirt.at(x, y), 3, image.at(x, y));
+  return image;
+}
+
+TEST(AcuityMssim, AnErrorAtTheGazeCountsMore) {
+  const Foveation eye{{0.25, 0.5}, 0.1, 0.3};
+  const Image clean = waves(200, 120, 0.0);
+  const Image dirt = constant(200, 120, 255, 255, 255);  // seen at any scale
+  const double atGaze = 1.0 - acuityMssim(clean, spoiled(clean, dirt, 40, 50), kFovY, eye).value();
+  const double aside = 1.0 - acuityMssim(clean, spoiled(clean, dirt, 160, 50), kFovY, eye).value();
+  EXPECT_GT(atGaze, 5.0 * aside);
+  EXPECT_GT(aside, 1e-3);
+}
+
+TEST(AcuityMssim, BlurBelowTheEyesResolutionCountsLittle) {
+  const int width = 256;
+  const int height = 128;
+  const Image clean = noise(width, height, 4);
+  Image blurred = clean;
+  for (int y = 0; y < height; y += 2)
+    for (int x = 0; x < width; x += 2)
+      for (int c = 0; c < 3; ++c) {
+        const int sum =
+            clean.at(x, y)[c] + clean.at(x + 1, y)[c] + clean.at(x, y + 1)[c] + clean.at(x + 1, y + 1)[c];
+        for (int i = 0; i < 4; ++i)
+          blurred.at(x + i % 2, y + i / 2)[c] = static_cast<std::uint8_t>((sum + 2) / 4);
+      }
+  const Foveation eye{{0.25, 0.5}, 0.1, 0.01};
+  const auto scales = acuityScales(width, height, kFovY, eye);
+  ASSERT_TRUE(scales);
+  // What the blur takes from the mean where every pixel is seen at the scale of the display.
+  const auto lossOf = [&](const Image& test) {
+    const auto map = mssim(clean, test);
+    double loss = 0;
+    double total = 0;
+    for (int y = 0; y < map->height; ++y)
+      for (int x = 0; x < map->width; ++x) {
+        const double s = static_cast<double>((*scales)[static_cast<std::size_t>((y + 5) * width + x + 5)]);
+        loss += (1 - map->map[static_cast<std::size_t>(y * map->width + x)]) / (s * s);
+        total += 1 / (s * s);
+      }
+    return loss / total;
+  };
+  const Image atGaze = spoiled(clean, blurred, 54, 54);
+  const Image aside = spoiled(clean, blurred, 180, 54);
+  EXPECT_EQ((*scales)[static_cast<std::size_t>(64 * width + 64 - 14)], 1.0F);
+  EXPECT_GT((*scales)[static_cast<std::size_t>(64 * width + 175)], 2.0F);
+  EXPECT_LT(mssim(clean, aside)->mean, 0.995) << "no blur to see";
+  EXPECT_NEAR(1 - acuityMssim(clean, atGaze, kFovY, eye).value(), lossOf(atGaze), 1e-2 * lossOf(atGaze));
+  EXPECT_LT(1 - acuityMssim(clean, aside, kFovY, eye).value(), 1e-2 * lossOf(aside));
+}
+
+TEST(AcuityMssim, BadInputIsNamed) {
+  const Image image = noise(20, 20, 1);
+  EXPECT_NE(acuityMssim(image, noise(20, 21, 1), kFovY).error().message.find("20 x 21"), std::string::npos);
+  EXPECT_NE(acuityMssim(image, image, -1.0).error().message.find("-1 radians"), std::string::npos);
+  EXPECT_NE(acuityMssim(image, image, kFovY, {{0.5, 0.5}, 0.02, 91.0}).error().message.find("91"),
+            std::string::npos);
+  EXPECT_FALSE(acuityMssim(Image{}, Image{}, kFovY));
 }
 
 // ---- FLIP ----

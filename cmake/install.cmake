@@ -2,9 +2,12 @@
 # find_package(tessera) with the targets tessera::engine, tessera::atlas, tessera::gl and what they stand on.
 include(CMakePackageConfigHelpers)
 
-# What only the rooms themselves include stays out: engine_state.hpp, and the loader's parts behind gltf.hpp.
+# What only the rooms themselves include stays out: engine_state.hpp, the loader's parts behind gltf.hpp, and what
+# tessera_atlas_bench holds.
 install(DIRECTORY engine atlas DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
-        PATTERN "engine_state.hpp" EXCLUDE PATTERN "gltf_*.hpp" EXCLUDE)
+        PATTERN "engine_state.hpp" EXCLUDE PATTERN "gltf_*.hpp" EXCLUDE
+        PATTERN "request_stream.hpp" EXCLUDE PATTERN "place_tracker.hpp" EXCLUDE
+        PATTERN "quadtree*.hpp" EXCLUDE)
 install(DIRECTORY glsl/shared DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera/glsl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/engine/gl/glad/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera)
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera/assets

@@ -14,5 +14,6 @@ using Run = std::function<Result<void>()>;
 Run addRender(CLI::App& app);
 Run addInfo(CLI::App& app);
 Run addCompare(CLI::App& app);
+Run addAtlasBench(CLI::App& app);
 
 }  // namespace tessera::app

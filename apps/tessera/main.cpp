@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
       {"render", tessera::app::addRender(app)},
       {"info", tessera::app::addInfo(app)},
       {"compare", tessera::app::addCompare(app)},
+      {"atlas-bench", tessera::app::addAtlasBench(app)},
   };
   try {
     app.parse(argc, argv);

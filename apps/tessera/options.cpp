@@ -66,7 +66,8 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
-  command.add_option("--largest-aspect", choice.largestAspect, "width to height of a block at most, 2 to 1024")
+  command
+      .add_option("--largest-aspect", choice.largestAspect, "width to height of a block at most, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
   command.add_option("--high-water", choice.highWater, "share of the atlas in use beyond which it is reset")
@@ -249,6 +250,17 @@ Result<CameraPath> pathOf(const CameraChoice& choice, const Stage* stage) {
 }
 
 }  // namespace
+
+Result<void> coverPath(CameraChoice& choice, const Stage* stage) {
+  auto path = pathOf(choice, stage);
+  if (!path) return tl::unexpected(path.error());
+  if (choice.fps > 0.0) return {};
+  const double duration = path->keys.back().time - path->keys.front().time;
+  if (choice.frames < 2 || duration <= 0.0)
+    return fail("--path {}: {} frames of {} s cannot cover it", choice.path, choice.frames, duration);
+  choice.fps = (choice.frames - 1) / duration;
+  return {};
+}
 
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size) {

@@ -88,6 +88,9 @@ struct TimedView {
   double time = 0.0;
   View view;
 };
+/// Sets `fps` so that `frames` of them cover the whole path, unless it is above 0 already. Needs a path and
+/// 2 frames.
+Result<void> coverPath(CameraChoice& choice, const Stage* stage);
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size);
 

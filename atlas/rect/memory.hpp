@@ -43,7 +43,7 @@ struct RectMemoryOptions {
   float targetLargest = 0.95f;  // [targetShare, 1]; S never grows past this
   float targetCut = 0.95f;      // (0, 1); factor on S when memory ran out or passed the high-water mark
   float targetGrowth = 1.002f;  // [1, 2]; factor on S in a frame after the quiet time
-  int quietFrames = 60;         // [0, 1e6]; frames without pressure after which S grows
+  int quietFrames = 40;         // [0, 1e6]; frames without pressure after which S grows
   float softWater = 0.8f;       // (0, 1]; share of the atlas that is live beyond which S shrinks by 1 /
                                 // targetGrowth; with merge only
   float highWater = 0.9f;       // (0, 1]; share of the atlas cut into blocks beyond which memory is reset

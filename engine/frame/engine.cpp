@@ -89,9 +89,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
     auto visible = VisibleSet::create(s.programs, s.draw.patchInstances);
     if (!visible) return tl::unexpected(visible.error());
     s.visible = std::move(*visible);
-    std::vector<glsl::BatchGpu> batches;
-    for (const Batch& batch : s.draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity});
-    auto atlas = RectAtlas::create(s.programs, options.atlas, s.draw.patchInstances, s.draw.entries, batches);
+    auto atlas = s.makeAtlas(options.atlas);
     if (!atlas) return tl::unexpected(atlas.error());
     s.atlas = std::move(*atlas);
   }
@@ -182,6 +180,25 @@ void Engine::update(double time) {
   s.drawShadows();
 }
 
+Result<void> Engine::remakeAtlas(const RectMemoryOptions& memory) {
+  State& s = *s_;
+  if (!s.atlas) return {};
+  const auto guard = s.guard();
+  RectAtlasOptions options = s.options.atlas;
+  options.memory = memory;
+  auto atlas = s.makeAtlas(options);
+  if (!atlas) return tl::unexpected(atlas.error());
+  s.atlas = std::move(*atlas);
+  s.options.atlas = options;
+  return {};
+}
+
+Result<RectAtlas> Engine::State::makeAtlas(const RectAtlasOptions& atlasOptions) {
+  std::vector<glsl::BatchGpu> batches;
+  for (const Batch& batch : draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity});
+  return RectAtlas::create(programs, atlasOptions, draw.patchInstances, draw.entries, batches);
+}
+
 void Engine::rect(const View& view, DisplayMode mode) {
   const std::array<View, 1> views = {view};
   findVisible(views);
@@ -244,8 +261,8 @@ std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   const State& s = *s_;
   std::size_t targets = 0;
-  for (const gl::Texture* texture :
-       {&s.picture.color, &s.picture.depth, &s.distorted.color, &s.id.ids, &s.id.depth})
+  for (const gl::Texture* texture : {&s.picture.color, &s.picture.depth, &s.spare.color, &s.spare.depth,
+                                     &s.upsampledRows, &s.distorted.color, &s.id.ids, &s.id.depth})
     if (*texture) targets += texture->bytes();
   std::vector<std::pair<std::string, std::size_t>> sizes = {
       {"geometry", s.buffers.geometryBytes}, {"textures", s.buffers.textureBytes}, {"targets", targets}};

@@ -83,6 +83,20 @@ class Engine {
   Result<void> distort(const Lens& lens);
   /// The reference. With `depthPrepass`, depth alone is drawn first.
   void forward(const View& view, bool depthPrepass = false);
+  /// What the atlas is compared with. Both take the picture that forward drew last, make another of it, and
+  /// that is color() and what distort() sees. They fail where the plan has no such pass
+  /// (FrameRequest::upsample, ::warp), and without a picture of forward's to take.
+  /// Lanczos-3 to a size not below the picture's, on encoded values, edges clamped. Uncovered pixels have no
+  /// part in a covered pixel's colour; a pixel is covered where the covered ones have half of its weight or
+  /// more, and then opaque.
+  Result<void> upsample(int width, int height);
+  /// Mesh warping (Mark et al. 1997): the picture as `to` sees the surface that its depth buffer draws, a
+  /// vertex a pixel. `from` is the view that forward drew. The surface has no gaps: it is drawn out between
+  /// near and far, and beyond the picture's edges it goes on as far again as the picture is wide and high.
+  Result<void> warp(const View& from, const View& to);
+  /// Another atlas in place of the one there is, with the same format; what that one held is lost. Fails, and
+  /// leaves the old one, where such an atlas cannot be made.
+  Result<void> remakeAtlas(const RectMemoryOptions& memory);
   /// findVisible, place (without options), shade and display of one view.
   void rect(const View& view, DisplayMode mode = DisplayMode::Geometry);
 

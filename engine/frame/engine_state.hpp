@@ -82,10 +82,16 @@ struct Engine::State {
   std::vector<BlendedPrograms> blendedPrograms;  // one a blended instance
   const gl::Program* deferred = nullptr;
   const gl::Program* distort = nullptr;
+  const gl::Program* upsampleRows = nullptr;
+  const gl::Program* upsampleColumns = nullptr;
+  const gl::Program* warp = nullptr;
 
   std::optional<VisibleSet> visible;
   std::optional<RectAtlas> atlas;
   PictureTarget picture;
+  PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
+  gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
+  gl::VertexArray emptyVertices;
   PictureTarget distorted;   // of distort(), without depth
   bool throughLens = false;  // which of the two color() is
   IdTarget id;
@@ -135,6 +141,7 @@ struct Engine::State {
   }
 
   Result<void> compile();
+  Result<RectAtlas> makeAtlas(const RectAtlasOptions& atlasOptions);
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
   void beginPicture(const View& view);

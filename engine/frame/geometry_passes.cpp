@@ -33,6 +33,8 @@ void PictureTarget::resize(int width, int height, bool withDepth) {
   color.filter(GL_LINEAR, GL_LINEAR);
   color.wrap(GL_CLAMP_TO_EDGE);
   encoded = color.view(GL_RGBA8);
+  encoded.filter(GL_LINEAR, GL_LINEAR);
+  encoded.wrap(GL_CLAMP_TO_EDGE);
   if (withDepth) depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
   const gl::Texture* attached = withDepth ? &depth : nullptr;
   const std::array<const gl::Texture*, 1> colors = {&color};
@@ -42,6 +44,11 @@ void PictureTarget::resize(int width, int height, bool withDepth) {
 }
 
 void Engine::State::beginPicture(const View& view) {
+  // Upsampling alternates between two sizes: each target keeps its own.
+  const auto fits = [&](const PictureTarget& target) {
+    return target.color && target.color.width() == view.width && target.color.height() == view.height;
+  };
+  if (!fits(picture) && fits(spare)) std::swap(picture, spare);
   picture.resize(view.width, view.height);
   throughLens = false;
 }

@@ -171,6 +171,24 @@ FrameGraph planFrame(const SceneFeatures& features, const FrameRequest& request)
       graph.add({"forward-transparent", "forward", reads, {{"forward-color", Access::Target}}});
     }
     outputs.emplace_back("forward-color");
+    if (request.upsample) {
+      graph.add({"upsample-rows",
+                 "forward",
+                 {{"forward-color", Access::Texture}},
+                 {{"upsampled-rows", Access::Image}}});
+      graph.add({"upsample-columns",
+                 "forward",
+                 {{"upsampled-rows", Access::Texture}},
+                 {{"upsampled-color", Access::Image}}});
+      outputs.emplace_back("upsampled-color");
+    }
+    if (request.warp) {
+      graph.add({"warp",
+                 "forward",
+                 {{"forward-color", Access::Texture}, {"forward-depth", Access::Texture}},
+                 {{"warped-color", Access::Target}}});
+      outputs.emplace_back("warped-color");
+    }
   }
   if (request.lens) {
     std::vector<Use> reads;

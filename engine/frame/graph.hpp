@@ -64,6 +64,8 @@ struct FrameRequest {
   bool displayDeferred = false;  // display from the id buffer; with rect only
   bool forward = false;
   bool depthPrepass = false;  // with forward
+  bool upsample = false;      // draw forward's picture at a larger size; with forward only
+  bool warp = false;          // draw forward's picture as another view sees it; with forward only
   bool lens = false;          // draw the picture of rect or forward through a lens
 };
 

@@ -57,6 +57,9 @@ Result<void> Engine::State::compile() {
     if (options.atlas.format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
     deferred = get({"pass/display_deferred.comp"}, defines);
   }
+  if (has("upsample-rows")) upsampleRows = get({"pass/lanczos.comp"}, {});
+  if (has("upsample-columns")) upsampleColumns = get({"pass/lanczos.comp"}, {{"COLUMNS", "1"}});
+  if (has("warp")) warp = get({"pass/warp.vert", "pass/warp.frag"}, {});
   if (has("distort")) distort = get({"pass/distort.comp"}, {});
   if (!error.empty()) return fail("{}", error);
   return {};

@@ -56,7 +56,7 @@ void main() {
       atomicAdd(superblockWords[liveWord(superblockAt(atlas.config, origin))], 1u << (w + h));
   } else if (popBlock(l, origin)) {
   } else if (atlas.config.merges != 0u && popSmaller(w, h, origin)) {
-    size = packLevel(w, h, (size & kLevelTransposed) != 0u);
+    size = packLevel(w, h, (size & kLevelTransposed) != 0u) | kLevelReduced;
     atomicAdd(atlas.events.reduced, 1u);
   } else {
     atomicAdd(atlas.events.failures, 1u);

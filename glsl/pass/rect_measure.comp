@@ -17,6 +17,7 @@ layout(std430, binding = BIND_PATCH_INSTANCE) readonly buffer PatchInstances { u
 layout(std430, binding = BIND_VISIBLE) readonly buffer Visible { uint visibleCount; uint visibleIds[]; };
 layout(std430, binding = BIND_PATCH_MEASURE) writeonly buffer Measures { PatchMeasure measures[]; };
 layout(std430, binding = BIND_ATLAS_STATE) buffer AtlasStates { AtlasState atlas; };
+layout(std430, binding = BIND_PATCH_STATE) readonly buffer PatchStates { PatchState patchStates[]; };
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[RECT_VIEWS]; };
 #ifdef DENSITY
 layout(std140, binding = BIND_DENSITY) uniform Densities { DensityGpu densities[RECT_VIEWS]; };
@@ -74,5 +75,9 @@ void main() {
   } else {
     uint before = atomicAdd(atlas.ideal[part].low, texels);
     if (before + texels < before) atomicAdd(atlas.ideal[part].high, 1u);
+    if (patchStates[visibleIds[i]].epoch != atlas.epoch) {
+      before = atomicAdd(atlas.ideal[part].newLow, texels);
+      if (before + texels < before) atomicAdd(atlas.ideal[part].newHigh, 1u);
+    }
   }
 }

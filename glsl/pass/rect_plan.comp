@@ -29,6 +29,17 @@ float takenTexels() {
   return float(taken);
 }
 
+// A camera that jumps: most of what it asks for is new and does not fit beside what the last frame left. Packing all
+// afresh then moves little that would have stayed, and spares the new from want of memory.
+bool jumps(PressureState pressure) {
+  float fresh = 0.0;
+  for (uint part = 0u; part < kIdealSums; ++part)
+    fresh += float(atlas.ideal[part].newHigh) * 4294967296.0 + float(atlas.ideal[part].newLow);
+  fresh *= exp2(-atlas.pressureBias);
+  uint area = atlas.config.width * atlas.config.height;
+  return atlas.cutTexels > 0u && fresh > float(area - atlas.cutTexels) && fresh > 0.5 * pressure.target;
+}
+
 bool openFrame() {
   AtlasConfig config = atlas.config;
   uint visible = max(visibleCount, liveCount);
@@ -39,6 +50,11 @@ bool openFrame() {
   PressureState pressure = stepPressure(atlas.pressure, config.pressure, atlas.events.failures + atlas.events.reduced > 0u,
                                         float(atlas.cutTexels), takenTexels(), atlas.pressureBias > config.lowestBias,
                                         (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
+  if (pressure.reset == 0u && config.pressure.resets != 0u && (uAsked & 2u) == 0u && jumps(pressure)) {
+    pressure.reset = 1u;
+    pressure.sinceReset = 0u;
+    pressure.target = min(pressure.target, config.pressure.targetStart);
+  }
   atlas.pressure = pressure;
   bool reset = pressure.reset != 0u;
   if (reset) {
@@ -49,7 +65,7 @@ bool openFrame() {
   }
   // A height a frame: siblings merge into a block of the next height, which has its turn in the next frame.
   uint height = atlas.mergeHeight >= config.superblockLog2 ? 0u : atlas.mergeHeight + 1u;
-  bool merging = config.merges != 0u && !reset && atlas.cutTexels > config.mergeLoad;
+  bool merging = config.merges != 0u && atlas.cutTexels > config.mergeLoad;
   atlas.mergeHeight = height;
   atlas.mergeGroupsX = merging ? config.superblockLog2 + 1u - max(height, 1u) : 0u;
   atlas.mergeGroupsY = 1u;
@@ -74,6 +90,8 @@ void main() {
     atlas.ideal[i].low = 0u;
     atlas.ideal[i].high = 0u;
     atlas.ideal[i].ones = 0u;
+    atlas.ideal[i].newLow = 0u;
+    atlas.ideal[i].newHigh = 0u;
   }
   if (!freeing) return;
   uint log2Size = atlas.config.superblockLog2;

@@ -12,11 +12,11 @@ void release(uint patchId) {
   if (marks[patchId] == uFrame) return;  // still visible: its own thread decides
   if (patchStates[patchId].epoch != atlas.epoch) return;
   uint level = patchStates[patchId].level;
-  if (levelWidth(level) == 0u) return;
-  giveBack(level, patchStates[patchId].origin);
-  atomicAdd(atlas.events.freed, 1u);
-  patchStates[patchId].origin = recordOrigin(atlas.config, patchId);
-  patchStates[patchId].level = 0u;
+  if (levelWidth(level) > 0u) {
+    giveBack(level, patchStates[patchId].origin);
+    atomicAdd(atlas.events.freed, 1u);
+  }
+  patchStates[patchId] = PatchState(recordOrigin(atlas.config, patchId), 0u, 0u);
 }
 
 void request(uint patchId, PatchMeasure measure) {
@@ -27,6 +27,13 @@ void request(uint patchId, PatchMeasure measure) {
                            known ? atlas.config.hysteresis : -1.0);
   if (known && (current & kLevelSize) == (level & kLevelSize)) {
     if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
+    return;
+  }
+  // It got less than it wanted, and still wants more: another try each frame would only move it about. The reset that
+  // follows from it makes room.
+  if (known && (current & kLevelReduced) != 0u && levelWidth(level) >= levelWidth(current) &&
+      levelHeight(level) >= levelHeight(current)) {
+    atomicAdd(atlas.events.reduced, 1u);
     return;
   }
   // It had a block in the last frame, which a reset may have taken: blocks of what goes out of sight are given back

@@ -30,6 +30,7 @@ SHARED_CONST uint kMaxBlockLog2 = 10u;      // the largest superblock is 1024 x 
 SHARED_CONST uint kLevelTransposed = 256u;  // the block's width runs along the patch's y axis
 SHARED_CONST uint kLevelPending =
     512u;                             // the patch drew a slot and waits for its block (inside a frame only)
+SHARED_CONST uint kLevelReduced = 1024u;  // smaller than the patch asked for, for want of memory
 SHARED_CONST uint kLevelSize = 255u;  // mask of w and h
 SHARED_CONST float kLevelHalf = 0.5;
 SHARED_CONST float kLevelOne = 1.0;

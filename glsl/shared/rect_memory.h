@@ -22,7 +22,8 @@ SHARED_CONST uint kNoSuperblock = 0xffffffffu;
 struct PatchState {
   uint origin;  // x | y << 16, texels; inside a frame the slot number while kLevelPending is set
   uint level;   // see packLevel
-  uint epoch;   // that of the atlas when this was written; an older one means that nothing is held
+  uint epoch;   // that of the atlas when this was written; an older one means that nothing is held, and 0 that it
+                // went out of sight
 };
 
 // What the CPU sets; the GPU only reads it.
@@ -72,7 +73,9 @@ struct IdealSum {
   uint low;  // texels that the patches above the smallest block would ideally take, 64 bits in two
   uint high;
   uint ones;  // patches at the smallest block
-  uint unused[13];
+  uint newLow;  // of low and high, texels of patches that were not visible in the last frame
+  uint newHigh;
+  uint unused[11];
 };
 SHARED_CONST uint kIdealSums = 8u;
 

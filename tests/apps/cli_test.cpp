@@ -1,11 +1,11 @@
 // The program as a user runs it: exit codes, one clear line for bad input, whole files or none.
+#include "tests/apps/cli.hpp"
+
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <map>
 #include <string>
-#include <sys/wait.h>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,47 +18,13 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Ran {
-  int code = -1;
-  std::string out;
-  std::string error;
-};
-
-std::string slurp(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-class Cli : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(TESSERA_BINARY_DIR) / "cli" /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  Ran run(const std::string& arguments) const {
-    const std::string command =
-        fmt::format("cd '{}' && '{}' {} > out.txt 2> err.txt", folder_.string(), TESSERA_PROGRAM, arguments);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(folder_ / "out.txt"),
-            slurp(folder_ / "err.txt")};
-  }
-  void expectRefused(const std::string& arguments, const std::string& named) const {
-    const Ran ran = run(arguments);
-    EXPECT_EQ(ran.code, 2) << arguments << "\n" << ran.error;
-    EXPECT_NE(ran.error.find(named), std::string::npos) << arguments << "\n" << ran.error;
-  }
-  std::string atrium() const { return std::string(TESSERA_SOURCE_DIR) + "/assets/atrium.glb"; }
-  fs::path folder_;
-};
+using test::Cli;
+using test::Ran;
+using test::slurp;
 
 TEST_F(Cli, HelpIsThereForEach) {
   EXPECT_EQ(run("--help").code, 0);
-  for (const char* command : {"render", "info", "compare"}) {
+  for (const char* command : {"render", "info", "compare", "atlas-bench"}) {
     const Ran ran = run(std::string(command) + " --help");
     EXPECT_EQ(ran.code, 0);
     EXPECT_NE(ran.out.find("--context"), std::string::npos) << command;
@@ -77,7 +43,30 @@ TEST_F(Cli, BadArgumentsAreNamed) {
   expectRefused(fmt::format("render '{}' -o a.png --eye 1,2,3 --target 1,2,3", atrium()), "same point");
   expectRefused(fmt::format("render '{}' -o a.png --fov-y 200", atrium()), "200");
   expectRefused(fmt::format("render '{}' -o a.png --path nowhere.json", atrium()), "nowhere.json");
-  expectRefused(fmt::format("compare '{}' -o r --methods rect:blur=2", atrium()), "rect:blur=2");
+  const std::string compare = fmt::format("compare '{}' -o r ", atrium());
+  for (const auto& [method, named] : {std::pair<std::string, std::string>{"rect:blur=2", "blur=2"},
+                                      {"rect:bias=17", "bias=17"},
+                                      {"rect:bias=", "bias="},
+                                      {"rect:bias=1x", "1x"},
+                                      {"rect:mpix=0", "mpix=0"},
+                                      {"rect:mpix=nan", "mpix=nan"},
+                                      {"rect:floor=1", "floor=1"},
+                                      {"rect:", "setting ''"},
+                                      {"rect:lens=2", "lens=2"},
+                                      {"rect-stereo:lens+foveated", "foveated"},
+                                      {"rect:lens++foveate", "setting ''"},
+                                      {"forward:lens", "forward takes no settings"},
+                                      {"warp-stereo:mpix=4", "warp-stereo takes no settings"},
+                                      {"warp", "warp-stereo"}}) {
+    expectRefused(compare + "--methods " + method, "--methods " + method);
+    expectRefused(compare + "--methods " + method, named);
+  }
+  expectRefused(compare + "--size 161x90 --methods forward-lanczos", "161x90");
+  expectRefused(compare + "--figures 4.2", "4.2");
+  expectRefused(compare + "--figures 4.1 --methods rect", "--methods");
+  expectRefused(compare + "--metrics ssim", "ssim");
+  expectRefused(compare + "--eye-distance -1", "eye-distance");
+  EXPECT_FALSE(fs::exists(folder_ / "r" / "report.json"));
   expectRefused(fmt::format("compare '{}' -o r --atlas-mpix 0", atrium()), "atlas-mpix");
   EXPECT_FALSE(fs::exists(folder_ / "a.png"));
 }
@@ -198,6 +187,94 @@ TEST_F(Cli, CompareWritesTheReport) {
             2.5 * scene["methods"][1]["samples_shaded"].get<double>());
   const std::string page = slurp(folder_ / "report" / "report.html");
   EXPECT_NE(page.find("atrium.glb"), std::string::npos);
+}
+
+TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
+  const Ran ran = run(fmt::format(
+      "compare '{}' -o report --size 320x180 --frames 2 --context osmesa --methods "
+      "rect-stereo:bias=off,rect-stereo:bias=off+lens,warp-stereo,forward-lanczos,rect:foveate+bias=off,"
+      "rect:bias=off+mpix=2,rect:floor=-2+mpix=2 --metrics mssim",
+      atrium()));
+  ASSERT_EQ(ran.code, 0) << ran.error;
+  const auto json = nlohmann::json::parse(slurp(folder_ / "report" / "report.json"));
+  std::map<std::string, nlohmann::json> methods;
+  std::vector<std::string> order;
+  for (const auto& method : json["scenes"][0]["methods"]) {
+    order.push_back(method["name"]);
+    methods[order.back()] = method;
+    EXPECT_TRUE(method["flip"].is_null());
+    EXPECT_TRUE(method["psnr_db"].is_null());
+    EXPECT_EQ(method["holes"], 0.0) << order.back();
+  }
+  // References come first, asked for or not.
+  ASSERT_EQ(order.size(), 9u);
+  EXPECT_EQ(order[0], "forward");
+  EXPECT_EQ(order[1], "forward-stereo");
+  const auto number = [&](const char* method, const char* field) {
+    const auto& value = methods.at(method).at(field);
+    EXPECT_TRUE(value.is_number()) << method << " " << field;
+    return value.is_number() ? value.get<double>() : 0.0;
+  };
+  const double pixels = 320.0 * 180.0;
+  EXPECT_EQ(number("forward-stereo", "mssim"), 1.0);
+  EXPECT_EQ(number("forward-stereo", "views"), 2.0);
+  EXPECT_EQ(methods["warp-stereo"]["reference"], "forward-stereo");
+  EXPECT_EQ(methods["forward-lanczos"]["reference"], "forward");
+  // Two eyes see about the same: twice the work, half of it for the one that is warped, a quarter of one
+  // small.
+  const double once = number("forward", "samples_passed");
+  EXPECT_NEAR(number("forward-stereo", "samples_passed"), 2.0 * once, 0.1 * once);
+  EXPECT_NEAR(number("warp-stereo", "shaded_against_reference"), 0.5, 0.03);
+  EXPECT_NEAR(number("forward-lanczos", "shaded_against_reference"), 0.25, 0.03);
+  EXPECT_DOUBLE_EQ(number("warp-stereo", "shaded_per_target_pixel"),
+                   number("warp-stereo", "samples_passed") / pixels);
+  EXPECT_DOUBLE_EQ(number("rect-stereo:bias=off", "shaded_per_target_pixel"),
+                   number("rect-stereo:bias=off", "samples_allocated") / pixels);
+  EXPECT_DOUBLE_EQ(number("rect-stereo:bias=off", "shaded_per_picture_pixel"),
+                   number("rect-stereo:bias=off", "samples_allocated") / (2.0 * pixels));
+  // Both eyes share what they see.
+  EXPECT_LT(number("rect-stereo:bias=off", "samples_shaded"),
+            1.3 * number("rect:bias=off+mpix=2", "samples_shaded"));
+  EXPECT_GT(number("rect-stereo:bias=off", "mssim"), 0.85);
+  EXPECT_LT(number("rect-stereo:bias=off+lens", "samples_shaded"),
+            0.95 * number("rect-stereo:bias=off", "samples_shaded"));
+  EXPECT_GT(number("rect-stereo:bias=off+lens", "mssim"), 0.85);
+  // The warped eye is the right one; the left is forward's own.
+  const auto& eyes = methods["warp-stereo"]["mssim_views"];
+  ASSERT_EQ(eyes.size(), 2u);
+  EXPECT_EQ(eyes[0], 1.0);
+  EXPECT_LT(eyes[1].get<double>(), 1.0);
+  EXPECT_GT(eyes[1].get<double>(), 0.8);
+  EXPECT_DOUBLE_EQ(number("warp-stereo", "mssim"), 0.5 * (1.0 + eyes[1].get<double>()));
+  EXPECT_GT(number("forward-lanczos", "mssim"), 0.5);
+  EXPECT_LT(number("rect:foveate+bias=off", "samples_shaded"),
+            number("rect:bias=off+mpix=2", "samples_shaded"));
+  EXPECT_GT(number("rect:foveate+bias=off", "mssim_acuity"), number("rect:foveate+bias=off", "mssim"));
+  EXPECT_TRUE(methods["rect:bias=off+mpix=2"]["mssim_acuity"].is_null());
+  // Room to spare, and a floor below 0: up to four times the texels, and better for it.
+  EXPECT_GT(number("rect:floor=-2+mpix=2", "samples_shaded"),
+            2.5 * number("rect:bias=off+mpix=2", "samples_shaded"));
+  EXPECT_GT(number("rect:floor=-2+mpix=2", "mssim"), number("rect:bias=off+mpix=2", "mssim"));
+}
+
+TEST_F(Cli, CompareMakesFigures) {
+  const Ran ran = run(fmt::format(
+      "compare '{}' -o report --figures 4.6 --size 96x54 --frames 1 --warmup 0 --context osmesa", atrium()));
+  ASSERT_EQ(ran.code, 0) << ran.error;
+  const auto json = nlohmann::json::parse(slurp(folder_ / "report" / "report.json"));
+  ASSERT_EQ(json["figures"].size(), 1u);
+  EXPECT_EQ(json["figures"][0]["figure"], "4.6");
+  const auto& bars = json["figures"][0]["scenes"][0]["bars"];
+  ASSERT_EQ(bars.size(), 3u);
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const auto& method = json["scenes"][0]["methods"][i + 1];
+    EXPECT_EQ(bars[i]["method"], method["name"]);
+    EXPECT_EQ(bars[i]["shaded_per_target_pixel"], method["shaded_per_target_pixel"]);
+    EXPECT_EQ(bars[i]["mssim_acuity"], method["mssim_acuity"]);
+    EXPECT_GT(bars[i]["mssim_acuity"].get<double>(), 0.5);
+    EXPECT_TRUE(method["flip"].is_null()) << "figures take MSSIM alone";
+  }
+  EXPECT_NE(slurp(folder_ / "report" / "report.html").find("Figure 4.6"), std::string::npos);
 }
 
 }  // namespace

@@ -304,6 +304,62 @@ TEST_F(MeasurePass, TheTargetIsCutByPressureAndGrowsBack) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(frame(1).target, rests);
 }
 
+TEST_F(MeasurePass, AboveTheSoftMarkTheTargetShrinks) {
+  PatchScene scene(2000, 0, 0, 1, 0.5f);
+  RectMemoryOptions options;
+  options.width = options.height = 512;
+  options.superblockLog2 = 6;
+  options.biasFloor = -4.0f;
+  options.softWater = 0.5f;
+  options.targetShare = 0.65f;
+  options.highWater = 1.0f;
+  options.targetGrowth = 1.01f;
+  RectMemory memory = make(options, scene.patchCount);
+  options.merge = false;
+  RectMemory plain = make(options, scene.patchCount);
+  const auto frame = [&](RectMemory& of) {
+    scene.upload({viewFrom(0, 0, 60, 5000)}, scene.patchCount);
+    of.measure(scene.dispatch, scene.frame, 1);
+    of.allocate(scene.dispatch, scene.frame);
+    return of.readStatistics();
+  };
+  constexpr float kTexels = 512.0f * 512.0f;
+  EXPECT_EQ(frame(memory).target, 0.65f * kTexels);
+  RectStatistics last;
+  for (int i = 0; i < 120; ++i) last = frame(memory);
+  EXPECT_LE(static_cast<float>(last.liveTexels), 0.51f * kTexels);
+  EXPECT_GT(static_cast<float>(last.liveTexels), 0.40f * kTexels);
+  EXPECT_EQ(frame(plain).target, 0.65f * kTexels);
+  EXPECT_EQ(frame(plain).target, 0.65f * kTexels) << "the published strategies know no soft mark";
+}
+
+TEST_F(MeasurePass, CountsWhatTheLastFrameDidNotSee) {
+  PatchScene scene(600, 0, 0, 1, 0.5f);
+  RectMemory memory = make({}, scene.patchCount);
+  const auto newTexels = [&](std::uint32_t visible) {
+    scene.upload({viewFrom(0, 0, 60, 5000)}, visible);
+    memory.measure(scene.dispatch, scene.frame, 1);
+    const glsl::AtlasState measured = memory.readState();
+    std::uint64_t fresh = 0;
+    std::uint64_t all = 0;
+    for (const glsl::IdealSum& sum : measured.ideal) {
+      fresh += (std::uint64_t{sum.newHigh} << 32) + sum.newLow;
+      all += (std::uint64_t{sum.high} << 32) + sum.low;
+    }
+    memory.allocate(scene.dispatch, scene.frame);
+    return std::pair(fresh, all);
+  };
+  const auto first = newTexels(scene.patchCount / 2);
+  EXPECT_EQ(first.first, first.second);
+  EXPECT_GT(first.first, 0u);
+  EXPECT_EQ(newTexels(scene.patchCount / 2).first, 0u);
+  const auto third = newTexels(scene.patchCount);
+  EXPECT_EQ(third.first, third.second - first.second);
+  EXPECT_EQ(newTexels(scene.patchCount / 2).first, 0u);
+  EXPECT_EQ(newTexels(scene.patchCount).first, third.first)
+      << "what went out of sight is new when it comes back";
+}
+
 TEST_F(MeasurePass, ConstantBiasHalvesTexels) {
   PatchScene scene(5000, 0, 0, 1, 0.3f);
   scene.upload({viewFrom(0, 0, 60, 900)}, scene.patchCount);

@@ -475,9 +475,84 @@ TEST_F(Memory, MergingGivesSuperblocksBackAndCutsThemForOthers) {
   EXPECT_EQ(whole.memory.readStatistics().failures, 1000u) << "without cutting none of them fits";
 }
 
+TEST_F(Memory, ASmallerBlockKeepsTheShape) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
+  Wants wants = wantAll(63, 3, 3);
+  for (std::uint32_t i = 100; i < 102; ++i) wants.push_back({i, 2, 1});
+  for (std::uint32_t i = 102; i < 104; ++i) wants.push_back({i, 2, 0});
+  feed.frame(wants);
+  wants.resize(63);
+  wants.push_back({110, 3, 2});  // free are blocks of 4 x 2 and of 4 x 1, and no superblock
+  feed.frame(wants);
+  EXPECT_EQ(feed.states()[110].level & glsl::kLevelSize, glsl::packLevel(2, 1, false));
+}
+
+TEST_F(Memory, AResetForgetsWhatWasLiveInSuperblocks) {
+  Feed feed(optionsOf({}, {.name = "S2", .columns = false, .stacks = false}), 100);
+  feed.frame(wantAll(20, 3, 3));
+  feed.memory.reset();
+  feed.frame(wantAll(20, 3, 3));
+  feed.frame({});
+  EXPECT_EQ(feed.memory.readStatistics().freeSuperblocks, 63u) << "all but the one that is being filled";
+}
+
+TEST_F(Memory, BlocksThatAreAskedForAreNotCut) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
+  feed.frame(wantAll(64, 3, 3));
+  Wants wants = wantAll(63, 3, 3);
+  wants.push_back({100, 3, 3});
+  for (std::uint32_t i = 101; i < 105; ++i) wants.push_back({i, 2, 2});
+  feed.frame(wants);
+  // One block came free: it is for the patch that wants all of it, not for the four that want a quarter.
+  EXPECT_EQ(feed.states()[100].level & glsl::kLevelSize, glsl::packLevel(3, 3, false));
+  EXPECT_EQ(feed.memory.readStatistics().failures, 4u);
+}
+
+TEST_F(Memory, NothingIsCutThatItsStackCannotHold) {
+  Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);
+  feed.frame(wantAll(1, 3, 3));
+  glsl::AtlasState state = feed.memory.readState();
+  const glsl::uint quarter = glsl::levelIndex(2, 2);
+  state.levels[quarter].stackCapacity = 3;
+  feed.memory.stateBuffer().writeValue(state);
+  Wants wants;
+  for (std::uint32_t i = 100; i < 104; ++i) wants.push_back({i, 2, 2});
+  feed.frame(wants);
+  state = feed.memory.readState();
+  EXPECT_EQ(state.levels[quarter].existing, 2u) << "one less than the stack holds, from a superblock";
+  EXPECT_EQ(state.events.failures, 2u);
+  EXPECT_EQ(state.levels[glsl::levelIndex(3, 3)].stackCount, 1);
+  EXPECT_TRUE(checkPartition(feed.memory.readSnapshot()));
+}
+
+TEST_F(Memory, ACameraThatJumpsFindsMemoryPackedAfresh) {
+  for (const bool held : {false, true}) {
+    Feed feed(optionsOf({}), 200);  // 64 superblocks of 8 x 8
+    feed.memory.holdReset(held);
+    feed.frame(wantAll(60, 3, 3));
+    Wants others;
+    for (std::uint32_t i = 100; i < 160; ++i) others.push_back({i, 3, 2});
+    // What the measuring pass would say: all of them are new.
+    glsl::IdealSum sum{};
+    sum.low = sum.newLow = 60 * 32;
+    feed.memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
+    feed.frame(others);
+    const RectStatistics now = feed.memory.readStatistics();
+    EXPECT_EQ(now.resets, held ? 0u : 1u);
+    EXPECT_EQ(now.failures, held ? 60u - 8u : 0u);
+    EXPECT_EQ(feed.memory.readState().ideal[0].newLow, 0u);
+    if (held) continue;
+    // Fewer than half of what the atlas aims at: the others may have their places.
+    sum.newLow = 16 * 64;
+    feed.memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
+    feed.frame(others);
+    EXPECT_EQ(feed.memory.readStatistics().resets, 1u);
+  }
+}
+
 TEST_F(Memory, WantOfMemoryGivesASmallerBlock) {
   Feed feed(optionsOf({}, {.name = "merging", .merge = true}), 200);  // 64 superblocks of 8 x 8
-  feed.frame(wantAll(20, 1, 0));  // one superblock
+  feed.frame(wantAll(20, 1, 0));                                      // one superblock
   Wants wants = wantAll(63, 3, 3);
   for (std::uint32_t i = 100; i < 104; ++i) wants.push_back({i, 2, 2});
   feed.frame(wants);
@@ -485,7 +560,19 @@ TEST_F(Memory, WantOfMemoryGivesASmallerBlock) {
   EXPECT_EQ(now.failures, 0u);
   EXPECT_EQ(now.blocksReduced, 1u);
   EXPECT_TRUE(checkPartition(feed.memory.readSnapshot()));
-  // A reset follows, and the texels fit.
+  // While the reset that follows is held back, it stays where it is.
+  const auto before = feed.states();
+  feed.memory.holdReset(true);
+  for (int i = 0; i < 3; ++i) {
+    feed.frame(wants);
+    now = feed.memory.readStatistics();
+    EXPECT_EQ(now.blocksReduced, 1u);
+    EXPECT_EQ(now.blocksMade, 0u);
+    EXPECT_TRUE(now.resetPending);
+    for (const MemoryTwin::Want& want : wants)
+      EXPECT_EQ(feed.states()[want.patch].origin, before[want.patch].origin);
+  }
+  feed.memory.holdReset(false);
   feed.frame(wants);
   now = feed.memory.readStatistics();
   EXPECT_EQ(now.resets, 1u);

@@ -50,6 +50,14 @@ void addLight(Scene& scene, bool casts) {
 const FrameRequest kRect{.rect = true};
 const FrameRequest kForward{.forward = true};
 
+TEST(Plan, BaselinesTakeForwardsPicture) {
+  const SceneFeatures features = findFeatures(oneQuad({}), nullptr);
+  EXPECT_EQ(passNames(planFrame(features, {.forward = true, .upsample = true, .warp = true})),
+            (Names{"forward", "upsample-rows", "upsample-columns", "warp"}));
+  // Without forward there is nothing to take.
+  EXPECT_EQ(passNames(planFrame(features, {.upsample = true, .warp = true})), Names{});
+}
+
 TEST(Plan, PlainSceneHasNoEffects) {
   const SceneFeatures features = findFeatures(oneQuad({}), nullptr);
   EXPECT_TRUE(features.effects.empty());

@@ -47,7 +47,8 @@ struct Hit {
 /// A surface as light meets it.
 struct Surface {
   dvec3 point;
-  dvec3 normal;  // with bumps, towards the eye's side
+  dvec3 side;    // normal without bumps, towards the eye's side
+  dvec3 normal;  // with bumps
   dvec3 base;
   dvec3 emissive;
   double metallic;
@@ -208,6 +209,7 @@ class Tracer {
       tangent += hit.weights[c] * hit.triangle->tangent[static_cast<std::size_t>(c)];
     }
     n = glm::normalize(n);
+    s.side = hit.front ? n : -n;
     if (material.normal.used()) {
       const dvec3 t = glm::normalize(dvec3(tangent) - n * glm::dot(n, dvec3(tangent)));
       const dvec3 b = glm::cross(n, t) * (tangent.w < 0.0 ? -1.0 : 1.0);
@@ -269,6 +271,8 @@ class Tracer {
     for (const LightSample& light : lighting_.lights) {
       dvec3 l;
       const double share = arriving(light, s.point, l);
+      // A bump may look at a light that its surface hides.
+      if (light.castsShadow && glm::dot(s.side, l) <= 0.0) continue;
       const double nl = glm::dot(s.normal, l);
       if (nl <= 0.0 || share <= 0.0) continue;
       const dvec3 h = glm::normalize(v + l);

@@ -113,6 +113,8 @@ std::vector<Image> useEngine(gl::Context& context, AtlasFormat format,
   options.splitEdges = 0.0;
   options.shadowSize = 128;
   options.request.depthPrepass = true;
+  options.request.upsample = true;
+  options.request.warp = true;
   options.request.displayDeferred = true;
   options.request.lens = true;
   options.timePasses = true;
@@ -138,6 +140,10 @@ std::vector<Image> useEngine(gl::Context& context, AtlasFormat format,
   after("second update");
   engine.forward(view, true);
   keep("forward with depth pre-pass");
+  EXPECT_TRUE(engine.warp(view, frontView(0.05)));
+  keep("warp");
+  EXPECT_TRUE(engine.upsample(view.width + 8, view.height + 6));
+  keep("upsample");
   const std::array<View, 2> views = {view, frontView(0.3)};
   engine.findVisible(views);
   after("findVisible");

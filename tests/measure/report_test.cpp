@@ -127,10 +127,15 @@ TEST(ReportJson, EveryFieldOfTheSchema) {
       const ReportMethod& m = scene.methods[i];
       const Json& jm = js["methods"][i];
       EXPECT_EQ(jm["name"], m.name);
+      EXPECT_EQ(jm["reference"], m.reference);
       const std::pair<const char*, double> numbers[] = {{"mssim", m.mssim},
                                                         {"dssim", (1 - m.mssim) / 2},
                                                         {"psnr_db", m.psnrDb},
                                                         {"flip", m.flip},
+                                                        {"views", m.views},
+                                                        {"mssim_acuity", m.mssimAcuity},
+                                                        {"invocations", m.invocations},
+                                                        {"samples_passed", m.samplesPassed},
                                                         {"samples_shaded", m.samplesShaded},
                                                         {"samples_allocated", m.samplesAllocated},
                                                         {"atlas_texels_used", m.atlasTexelsUsed},
@@ -159,6 +164,91 @@ TEST(ReportJson, EveryFieldOfTheSchema) {
       }
     }
   }
+}
+
+/// Scenes of 100 x 50 pixels: forward, forward-stereo and an atlas method of two pictures and of one.
+Report workReport() {
+  Report report;
+  ReportScene scene;
+  scene.file = "a.glb";
+  scene.width = 100;
+  scene.height = 50;
+  const auto add = [&](const char* name, const char* reference, int views, double shaded, double passed) {
+    ReportMethod m;
+    m.name = name;
+    m.reference = reference;
+    m.views = views;
+    m.samplesShaded = shaded;
+    m.samplesPassed = passed;
+    m.invocations = 3.0 * shaded;
+    m.mssim = 0.5 + 1e-5 * shaded;
+    scene.methods.push_back(m);
+  };
+  add("forward", "forward", 1, 9000, 8000);
+  add("forward-stereo", "forward-stereo", 2, 19000, 16000);
+  add("rect-stereo:lens", "forward-stereo", 2, 6000, kNotMeasured);
+  add("rect:foveate", "forward", 1, 200, kNotMeasured);
+  scene.methods.back().mssimAcuity = 0.987;
+  report.scenes = {scene, scene};
+  report.scenes[1].file = "b.glb";
+  report.scenes[1].methods.pop_back();
+  report.figures.push_back({"4.7",
+                            "Stereo & <lens>",
+                            "What it shows.",
+                            {{"rect-stereo:lens", "Lens"}, {"rect:foveate", "Eye"}, {"none", "Nobody"}}});
+  return report;
+}
+
+TEST(ReportWork, IsGivenAgainstPixelsAndForward) {
+  const ReportScene scene = workReport().scenes[0];
+  const ReportMethod& twice = scene.methods[1];
+  const ReportMethod& stereo = scene.methods[2];
+  const ReportMethod& foveated = scene.methods[3];
+  EXPECT_EQ(shadedSamples(twice), 16000.0);
+  EXPECT_EQ(shadedSamples(stereo), 6000.0);
+  EXPECT_DOUBLE_EQ(shadedPerTargetPixel(scene, twice), 3.2);
+  EXPECT_DOUBLE_EQ(shadedPerPicturePixel(scene, twice), 1.6);
+  EXPECT_DOUBLE_EQ(shadedPerTargetPixel(scene, stereo), 1.2);
+  EXPECT_DOUBLE_EQ(shadedPerPicturePixel(scene, stereo), 0.6);
+  EXPECT_DOUBLE_EQ(shadedAgainstReference(scene, stereo), 0.375);
+  EXPECT_DOUBLE_EQ(shadedAgainstReference(scene, twice), 1.0);
+  EXPECT_DOUBLE_EQ(shadedAgainstReference(scene, foveated), 0.025);
+  ReportMethod alone = stereo;
+  alone.reference = "nobody";
+  EXPECT_TRUE(std::isnan(shadedAgainstReference(scene, alone)));
+  EXPECT_EQ(referenceOf(scene, alone), nullptr);
+}
+
+TEST(ReportWork, FiguresHoldTheBarsThatAreThere) {
+  const Report report = workReport();
+  const Json json = Json::parse(toJson(report));
+  ASSERT_EQ(json["figures"].size(), 1U);
+  const Json& figure = json["figures"][0];
+  EXPECT_EQ(figure["figure"], "4.7");
+  ASSERT_EQ(figure["scenes"].size(), 2U);
+  ASSERT_EQ(figure["scenes"][0]["bars"].size(), 2U);
+  ASSERT_EQ(figure["scenes"][1]["bars"].size(), 1U);
+  const Json& bar = figure["scenes"][0]["bars"][0];
+  EXPECT_EQ(bar["method"], "rect-stereo:lens");
+  EXPECT_EQ(bar["label"], "Lens");
+  EXPECT_EQ(bar["shaded_per_target_pixel"], 1.2);
+  EXPECT_EQ(bar["shaded_per_picture_pixel"], 0.6);
+  EXPECT_EQ(bar["shaded_against_reference"], 0.375);
+  EXPECT_EQ(bar["mssim"], 0.5 + 1e-5 * 6000);
+  EXPECT_TRUE(bar["mssim_acuity"].is_null());
+  EXPECT_EQ(figure["scenes"][0]["bars"][1]["mssim_acuity"], 0.987);
+
+  const std::string html = toHtml(report);
+  EXPECT_EQ(dataOf(html)["figures"][0], figure);
+  EXPECT_EQ(count(html, "<h2>Figure 4.7: Stereo &amp; &lt;lens&gt;</h2>"), 1U);
+  EXPECT_EQ(count(html,
+                  "Lens <small>rect-stereo:lens</small></th><td>120.0 %</td><td>60.0 %</td><td>37.5 %</td>"
+                  "<td>360.0 %</td><td>0.5600</td><td>–</td>"),
+            2U)
+      << "in both scenes";
+  EXPECT_EQ(count(html, "Eye <small>rect:foveate</small></th><td>4.0 %</td><td>4.0 %</td><td>2.5 %</td>"),
+            1U);
+  EXPECT_EQ(count(html, "Nobody"), 0U);
 }
 
 TEST(ReportJson, NamesThatAreNotUtf8) {

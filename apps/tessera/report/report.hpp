@@ -49,11 +49,16 @@ struct ReportFrame {
 
 /// One method on one scene. Counts are means per measured frame unless they say otherwise.
 struct ReportMethod {
-  std::string name;              // "forward" is what the others are compared with
-  double mssim = kNotMeasured;   // mean against forward
-  double psnrDb = kNotMeasured;  // infinite where every picture equals forward's: null in report.json
+  std::string name;
+  std::string reference = "forward";  // the method of the scene that it is compared with; may be itself
+  int views = 1;                      // pictures a frame: 2 for stereo, whose counts are of both
+  double mssim = kNotMeasured;        // mean against the reference
+  std::vector<double> mssimViews;     // of each picture, the left eye first
+  double mssimAcuity = kNotMeasured;  // see acuityMssim; of foveated methods
+  double psnrDb = kNotMeasured;       // infinite where every picture equals forward's: null in report.json
   double flip = kNotMeasured;
   double samplesShaded = kNotMeasured;
+  double invocations = kNotMeasured;    // of the fragment shader, as GL counts them
   double samplesPassed = kNotMeasured;  // forward: of the samples, those that the depth test let through
   double samplesPartlyInView = kNotMeasured;  // of the samples, those of patches that leave the picture
   double samplesAllocated = kNotMeasured;
@@ -75,6 +80,20 @@ struct ReportMethod {
   std::vector<ReportFrame> frames;  // chosen frames, rising
 };
 
+/// A method's bar in a figure.
+struct ReportBar {
+  std::string method;  // its name in the scenes
+  std::string label;
+};
+
+/// Bars of shading work and of quality, a group a scene.
+struct ReportFigure {
+  std::string id;  // "4.1"
+  std::string title;
+  std::string text;  // what is shown and how it was measured, a few sentences
+  std::vector<ReportBar> bars;
+};
+
 struct ReportScene {
   std::string file;
   std::string note;  // stage, camera path, atlas size: one line
@@ -93,7 +112,23 @@ struct ReportScene {
 struct Report {
   ReportContext context;
   std::vector<ReportScene> scenes;
+  std::vector<ReportFigure> figures;
 };
+
+// What a method shades, against something. Samples are those that had to be shaded: what passed the depth
+// test on the screen (drawing order decides how much, GL's count of invocations adds what the rasterizer
+// shades for nothing), and every texel that the atlas allocated.
+
+/// Samples a frame.
+double shadedSamples(const ReportMethod& method);
+/// Samples for each pixel of one picture, as the figures of Mueller 2021, ch. 4 have it, also for a pair.
+double shadedPerTargetPixel(const ReportScene& scene, const ReportMethod& method);
+/// Samples for each pixel of all pictures of the frame.
+double shadedPerPicturePixel(const ReportScene& scene, const ReportMethod& method);
+/// Samples against those of the method's reference; not a number without one.
+double shadedAgainstReference(const ReportScene& scene, const ReportMethod& method);
+/// The method that this one is compared with; null if the scene has none of that name.
+const ReportMethod* referenceOf(const ReportScene& scene, const ReportMethod& method);
 
 /// report.json, schema 1, indented. Bytes in strings that are not UTF-8 are replaced by U+FFFD.
 std::string toJson(const Report& report);

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <map>
 #include <span>
 #include <string_view>
 
@@ -7,24 +6,16 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tessera/report/report.hpp"
+#include "apps/tessera/report/report_figures.hpp"
+#include "apps/tessera/report/report_page.hpp"
 #include "apps/tessera/report/report_table.hpp"
-#include "engine/core/embedded.hpp"
 #include "engine/measure/colormap.hpp"
 
 namespace tessera {
 
-std::span<const EmbeddedText> embeddedReportPage();
-std::span<const EmbeddedText> embeddedChart();
-
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string_view textOf(std::span<const EmbeddedText> files, std::string_view path) {
-  for (const EmbeddedText& file : files)
-    if (file.path == path) return file.text;
-  return {};
-}
 
 std::string base64(std::span<const std::uint8_t> bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -70,7 +61,7 @@ Json methodData(const ReportMethod& method) {
           {"frames", std::move(frames)}};
 }
 
-/// What the page's script reads. In a script element, only "<" could end it early.
+/// What the page's script reads.
 std::string pageData(const Report& report) {
   Json stops = Json::array();
   for (const Rgb8& stop : colormapStops())
@@ -86,32 +77,11 @@ std::string pageData(const Report& report) {
                       {"errorFull", scene.errorFull},
                       {"methods", std::move(methods)}});
   }
-  const Json root = {{"stops", std::move(stops)}, {"scenes", std::move(scenes)}};
-  const std::string json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string out;
-  out.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<')
-      out += "\\u003c";
-    else
-      out += c;
-  }
-  return out;
-}
-
-std::string contextList(const ReportContext& context) {
-  std::string out;
-  const auto add = [&out](std::string_view name, const std::string& value) {
-    if (!value.empty()) out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escapeHtml(value));
-  };
-  add("Renderer", context.renderer);
-  add("Context", context.backend);
-  add("GL", context.gl);
-  add("GLSL", context.glsl);
-  add("Timer", context.timer);
-  add("Commit", context.commit);
-  add("Command", context.command);
-  return out;
+  Json figures = Json::array();
+  for (const ReportFigure& figure : report.figures) figures.push_back(figureJson(report, figure));
+  const Json root = {
+      {"stops", std::move(stops)}, {"scenes", std::move(scenes)}, {"figures", std::move(figures)}};
+  return scriptData(root);
 }
 
 std::string sceneSection(const ReportScene& scene, std::size_t index) {
@@ -127,38 +97,19 @@ std::string sceneSection(const ReportScene& scene, std::size_t index) {
       escapeHtml(scene.note), methodTable(scene));
 }
 
-/// Replaces each {{name}} of the template once, left to right: text that is put in is never searched.
-std::string fill(std::string_view page, const std::map<std::string, std::string_view, std::less<>>& values) {
-  std::string out;
-  while (!page.empty()) {
-    const std::size_t open = page.find("{{");
-    out += page.substr(0, open);
-    if (open == std::string_view::npos) break;
-    const std::size_t close = page.find("}}", open);
-    out += values.at(std::string(page.substr(open + 2, close - open - 2)));
-    page.remove_prefix(close + 2);
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string toHtml(const Report& report) {
-  const auto page = embeddedReportPage();
   std::string scenes;
   for (std::size_t i = 0; i < report.scenes.size(); ++i) scenes += sceneSection(report.scenes[i], i);
+  std::string figures;
+  for (std::size_t i = 0; i < report.figures.size(); ++i) figures += figureSection(report, i);
   const std::string context = contextList(report.context);
   const std::string summary = summaryTable(report);
   const std::string data = pageData(report);
-  return fill(textOf(page, "report.html"), {{"style", textOf(page, "report.css")},
-                                            {"context", context},
-                                            {"summary", summary},
-                                            {"scenes", scenes},
-                                            {"data", data},
-                                            {"chart", textOf(embeddedChart(), "chart.min.js")},
-                                            {"viewer", textOf(page, "viewer.js")},
-                                            {"charts", textOf(page, "charts.js")},
-                                            {"main", textOf(page, "main.js")}});
+  return fillPage(
+      "report.html",
+      {{"context", context}, {"summary", summary}, {"figures", figures}, {"scenes", scenes}, {"data", data}});
 }
 
 }  // namespace tessera

@@ -9,36 +9,28 @@
 #include "engine/measure/metrics.hpp"
 
 namespace tessera {
-namespace {
 
-constexpr const char* kDash = "–";
-
-std::string fixed(double value, int decimals) {
+std::string formatFixed(double value, int decimals) {
   if (std::isnan(value)) return kDash;
   if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
   return fmt::format("{:.{}f}", value, decimals);
 }
 
-/// Three significant digits or so, as milliseconds and nanoseconds want it.
-std::string duration(double value) {
+std::string formatDuration(double value) {
   const double size = std::abs(value);
-  return fixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 0.1 ? 2 : 3);
+  return formatFixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 0.1 ? 2 : 3);
 }
 
 std::string timingCell(const Statistics& ms) {
   if (ms.count == 0) return kDash;
-  return fmt::format("{} <small>p95 {}</small>", duration(ms.median), duration(ms.p95));
+  return fmt::format("{} <small>p95 {}</small>", formatDuration(ms.median), formatDuration(ms.p95));
 }
+
+namespace {
 
 std::string ratio(double value, double reference) {
   const double quotient = value / reference;
-  return std::isfinite(quotient) ? fixed(quotient, 2) + " ×" : kDash;
-}
-
-const ReportMethod* forwardOf(const ReportScene& scene) {
-  const auto found = std::find_if(scene.methods.begin(), scene.methods.end(),
-                                  [](const ReportMethod& method) { return method.name == "forward"; });
-  return found == scene.methods.end() ? nullptr : &*found;
+  return std::isfinite(quotient) ? formatFixed(quotient, 2) + " ×" : kDash;
 }
 
 struct Row {
@@ -73,7 +65,7 @@ Row countRow(std::string label, std::string hint, double ReportMethod::*value) {
 
 Row fixedRow(std::string label, std::string hint, double ReportMethod::*value, int decimals) {
   return {std::move(label), std::move(hint),
-          [value, decimals](const ReportMethod& m) { return fixed(m.*value, decimals); }};
+          [value, decimals](const ReportMethod& m) { return formatFixed(m.*value, decimals); }};
 }
 
 Row timingRow(std::string label, std::string hint, Statistics ReportMethod::*value) {
@@ -128,8 +120,12 @@ std::string escapeHtml(std::string_view text) {
   return out;
 }
 
+std::string formatShare(double value) {
+  return std::isfinite(value) ? formatFixed(100.0 * value, 1) + " %" : kDash;
+}
+
 std::string formatCount(double value) {
-  std::string digits = fixed(value, 0);
+  std::string digits = formatFixed(value, 0);
   if (!std::isfinite(value)) return digits;
   const auto first = static_cast<std::ptrdiff_t>(digits.front() == '-');
   for (auto place = static_cast<std::ptrdiff_t>(digits.size()) - 3; place > first; place -= 3)
@@ -143,17 +139,31 @@ std::string methodTable(const ReportScene& scene) {
     out += fmt::format("<th scope=\"col\"><i class=\"swatch\" data-method=\"{}\"></i>{}</th>",
                        &method - scene.methods.data(), escapeHtml(method.name));
   out += "</tr></thead>\n";
-  out += group(scene, "Picture against forward",
+  out += group(scene, "Pictures against forward",
                {fixedRow("MSSIM", "1 is equal", &ReportMethod::mssim, 4),
-                {"DSSIM", "0 is equal", [](const ReportMethod& m) { return fixed(dssim(m.mssim), 4); }},
+                {"MSSIM", "left and right eye",
+                 [](const ReportMethod& m) {
+                   return m.mssimViews.size() < 2
+                              ? std::string(kDash)
+                              : formatFixed(m.mssimViews[0], 4) + " · " + formatFixed(m.mssimViews[1], 4);
+                 }},
+                fixedRow("MSSIM by acuity", "foveated", &ReportMethod::mssimAcuity, 4),
+                {"DSSIM", "0 is equal", [](const ReportMethod& m) { return formatFixed(dssim(m.mssim), 4); }},
                 fixedRow("PSNR", "dB", &ReportMethod::psnrDb, 2),
                 fixedRow("FLIP", "0 is equal", &ReportMethod::flip, 4),
                 countRow("Holes", "pixels, all frames", &ReportMethod::holes)});
   out += group(scene, "Work per frame",
                {countRow("Samples shaded", "", &ReportMethod::samplesShaded),
                 countRow("Samples allocated", "", &ReportMethod::samplesAllocated),
+                {"Samples shaded", "of a picture's pixels",
+                 [&](const ReportMethod& m) { return formatShare(shadedPerTargetPixel(scene, m)); }},
+                {"Samples shaded", "of all pictures' pixels",
+                 [&](const ReportMethod& m) { return formatShare(shadedPerPicturePixel(scene, m)); }},
+                {"Samples shaded", "of forward's",
+                 [&](const ReportMethod& m) { return formatShare(shadedAgainstReference(scene, m)); }},
+                countRow("Fragment-shader invocations", "as GL counts them", &ReportMethod::invocations),
                 {"Samples shaded per covered pixel", "",
-                 [](const ReportMethod& m) { return fixed(samplesPerPixel(m), 2); }},
+                 [](const ReportMethod& m) { return formatFixed(samplesPerPixel(m), 2); }},
                 countRow("Covered pixels", "", &ReportMethod::coveredPixels),
                 countRow("Visible patches", "", &ReportMethod::visiblePatches),
                 countRow("Visible triangles", "", &ReportMethod::visibleTriangles)});
@@ -162,20 +172,23 @@ std::string methodTable(const ReportScene& scene) {
                 countRow("Out of memory", "patches, all frames", &ReportMethod::outOfMemory),
                 countRow("Resets", "all frames", &ReportMethod::resets),
                 countRow("Non-finite texels", "all frames", &ReportMethod::nonFiniteTexels)});
-  const ReportMethod* forward = forwardOf(scene);
-  const double forwardFrame = forward != nullptr ? forward->frameMs.median : kNotMeasured;
-  const double forwardSample = forward != nullptr ? forward->nsPerSample : kNotMeasured;
-  out += group(scene, "Time, median",
-               {timingRow("Frame", "ms", &ReportMethod::frameMs),
-                {"Frame against forward", "",
-                 [=](const ReportMethod& m) { return ratio(m.frameMs.median, forwardFrame); }},
-                timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
-                timingRow("Display", "ms", &ReportMethod::displayMs),
-                {"Shading per sample", "ns", [](const ReportMethod& m) { return duration(m.nsPerSample); }},
-                {"Shading per sample that passed depth", "ns",
-                 [](const ReportMethod& m) { return duration(m.nsPerPassed); }},
-                {"Shading per sample against forward", "",
-                 [=](const ReportMethod& m) { return ratio(m.nsPerSample, forwardSample); }}});
+  const auto against = [&](const ReportMethod& m, const auto& number) {
+    const ReportMethod* reference = referenceOf(scene, m);
+    return reference == nullptr ? std::string(kDash) : ratio(number(m), number(*reference));
+  };
+  const auto frameMs = [](const ReportMethod& m) { return m.frameMs.median; };
+  const auto perSample = [](const ReportMethod& m) { return m.nsPerSample; };
+  out += group(
+      scene, "Time, median",
+      {timingRow("Frame", "ms", &ReportMethod::frameMs),
+       {"Frame against forward", "", [=](const ReportMethod& m) { return against(m, frameMs); }},
+       timingRow("Gather and shade", "ms", &ReportMethod::gatherMs),
+       timingRow("Display", "ms", &ReportMethod::displayMs),
+       {"Shading per sample", "ns", [](const ReportMethod& m) { return formatDuration(m.nsPerSample); }},
+       {"Shading per sample that passed depth", "ns",
+        [](const ReportMethod& m) { return formatDuration(m.nsPerPassed); }},
+       {"Shading per sample against forward", "",
+        [=](const ReportMethod& m) { return against(m, perSample); }}});
   out += group(scene, "Time of each pass, median, ms", passRows(scene));
   return out + "</table>\n";
 }
@@ -189,9 +202,9 @@ std::string summaryTable(const Report& report) {
       "<th scope=\"col\">Shading per sample, ns</th><th scope=\"col\">against forward</th></tr></thead>\n";
   for (std::size_t s = 0; s < report.scenes.size(); ++s) {
     const ReportScene& scene = report.scenes[s];
-    const ReportMethod* forward = forwardOf(scene);
     out += "<tbody>\n";
     for (const ReportMethod& m : scene.methods) {
+      const ReportMethod* forward = referenceOf(scene, m);
       out += "<tr>";
       if (&m == scene.methods.data())
         out += fmt::format(
@@ -200,10 +213,10 @@ std::string summaryTable(const Report& report) {
       out += fmt::format(
           "<th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
           "<td>{}</td></tr>\n",
-          escapeHtml(m.name), fixed(m.mssim, 4), fixed(m.flip, 4), fixed(samplesPerPixel(m), 2),
-          duration(m.frameMs.median),
+          escapeHtml(m.name), formatFixed(m.mssim, 4), formatFixed(m.flip, 4),
+          formatFixed(samplesPerPixel(m), 2), formatDuration(m.frameMs.median),
           ratio(m.frameMs.median, forward != nullptr ? forward->frameMs.median : kNotMeasured),
-          duration(m.nsPerSample),
+          formatDuration(m.nsPerSample),
           ratio(m.nsPerSample, forward != nullptr ? forward->nsPerSample : kNotMeasured));
     }
     out += "</tbody>\n";

@@ -13,50 +13,8 @@ const kSeries = [
   {key: 'bias', title: 'Level bias in force', unit: 'levels', zero: false},
 ];
 
-function themeColour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-}
-
 function methodColour(index) {
   return themeColour(`--c${index % kMethodColours}`);
-}
-
-function chartBox(parent, title, unit) {
-  const box = element('div', 'chart');
-  const heading = element('h3', '', title + ' ');
-  heading.append(element('small', '', unit));
-  const plot = element('div', 'plot');
-  const canvas = element('canvas');
-  canvas.setAttribute('role', 'img');
-  canvas.setAttribute('aria-label', `${title}, ${unit}; the table holds the numbers`);
-  plot.append(canvas);
-  box.append(heading, plot);
-  parent.append(box);
-  return {plot, canvas};
-}
-
-const kShort = new Intl.NumberFormat('en', {notation: 'compact', maximumSignificantDigits: 4});
-const kLong = new Intl.NumberFormat('en', {maximumSignificantDigits: 6});
-
-// A dashed line's square in the legend would be dashed too.
-function solidLabels(chart) {
-  return Chart.defaults.plugins.legend.labels.generateLabels(chart).map(label => ({...label, lineDash: []}));
-}
-
-function baseOptions() {
-  const soft = themeColour('--soft');
-  const grid = {color: themeColour('--line'), borderColor: themeColour('--line')};
-  return {
-    animation: false,
-    responsive: true,
-    maintainAspectRatio: false,
-    interaction: {mode: 'index', intersect: false},
-    plugins: {
-      legend: {labels: {color: soft, boxWidth: 12, boxHeight: 12, padding: 10, generateLabels: solidLabels}, position: 'bottom'},
-      tooltip: {callbacks: {}},
-    },
-    scales: {x: {ticks: {color: soft}, grid}, y: {ticks: {color: soft}, grid}},
-  };
 }
 
 function seriesChart(parent, series, methods) {
@@ -115,4 +73,42 @@ function passChart(parent, methods) {
 function drawCharts(parent, methods) {
   const charts = [passChart(parent, methods), ...kSeries.map(series => seriesChart(parent, series, methods))];
   return charts.filter(chart => chart !== null);
+}
+
+// Bars of one number: a group a scene, a colour a method.
+function barChart(parent, title, unit, figure, key, share) {
+  const labels = [...new Set(figure.scenes.flatMap(scene => scene.bars.map(bar => bar.label)))];
+  const valueOf = (scene, label) => scene.bars.find(bar => bar.label === label)?.[key] ?? null;
+  if (!figure.scenes.some(scene => scene.bars.some(bar => bar[key] !== null))) return null;
+  const format = value => share ? `${kLong.format(+(100 * value).toPrecision(4))} %` : kLong.format(value);
+  const options = baseOptions();
+  options.interaction = {mode: 'nearest', intersect: true};
+  options.scales.x.grid = {display: false};
+  options.scales.y.ticks.callback = format;
+  options.scales.y.beginAtZero = share;
+  // Qualities crowd together near 1: the axis starts below the least of them, at a round number.
+  const least = Math.min(...figure.scenes.flatMap(scene => scene.bars.map(bar => bar[key] ?? 1)));
+  if (!share) {
+    options.scales.y.min = Math.max(0, Math.floor(10 * least - 0.5) / 10);
+    options.scales.y.max = 1;
+  }
+  options.plugins.tooltip.callbacks.label = item => ` ${item.dataset.label}: ${format(item.parsed.y)}`;
+  const datasets = labels.map((label, index) => ({
+    label,
+    data: figure.scenes.map(scene => valueOf(scene, label)),
+    backgroundColor: methodColour(index),
+    maxBarThickness: 34,
+  }));
+  const {plot, canvas} = chartBox(parent, title, unit);
+  plot.style.height = '300px';
+  const names = figure.scenes.map(scene => scene.file.replace(/^.*[\\/]/, ''));
+  return new Chart(canvas, {type: 'bar', data: {labels: names, datasets}, options});
+}
+
+function drawFigure(parent, figure) {
+  return [
+    barChart(parent, 'Samples shaded', 'of the pixels of one picture', figure, 'shaded_per_target_pixel', true),
+    barChart(parent, 'MSSIM against forward', '1 is equal', figure, 'mssim', false),
+    barChart(parent, 'MSSIM by acuity', '1 is equal', figure, 'mssim_acuity', false),
+  ].filter(chart => chart !== null);
 }

@@ -1,7 +1,6 @@
 // Builds each scene's pictures and charts from the embedded data.
 'use strict';
 
-const kData = JSON.parse(document.getElementById('data').textContent);
 let drawnCharts = [];
 
 function choice(label, options, selected, onChange) {
@@ -94,7 +93,9 @@ function buildPictures(parent, scene) {
   errorFigure.append(legend(scene.errorFull));
   const atlasFigure = figure('Shading atlas', atlasStage, [atlasNote]);
   const side = element('div', 'side');
-  side.append(errorFigure, atlasFigure);
+  // A run without the metric has no map of it at all.
+  if (methods.some(method => method.frames.some(candidate => candidate.error))) side.append(errorFigure);
+  side.append(atlasFigure);
   parent.append(main, side);
 
   function update() {
@@ -124,6 +125,11 @@ function buildPictures(parent, scene) {
 function paint() {
   for (const chart of drawnCharts) chart.destroy();
   drawnCharts = [];
+  document.querySelectorAll('.figure').forEach(section => {
+    const parent = section.querySelector('.charts');
+    parent.replaceChildren();
+    drawnCharts.push(...drawFigure(parent, kData.figures[section.dataset.figure]));
+  });
   document.querySelectorAll('.scene').forEach(section => {
     const methods = kData.scenes[section.dataset.scene].methods;
     const parent = section.querySelector('.charts');
@@ -135,18 +141,7 @@ function paint() {
   });
 }
 
-function setTheme(theme) {
-  document.documentElement.dataset.theme = theme;
-  paint();
-}
-
 document.querySelectorAll('.scene').forEach(section => {
   buildPictures(section.querySelector('.pictures'), kData.scenes[section.dataset.scene]);
 });
-const kDark = matchMedia('(prefers-color-scheme: dark)');
-setTheme(kDark.matches ? 'dark' : 'light');
-kDark.addEventListener('change', () => setTheme(kDark.matches ? 'dark' : 'light'));
-document.getElementById('theme').addEventListener('click', () => {
-  setTheme(document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark');
-});
-addEventListener('beforeprint', () => setTheme('light'));
+startTheme(paint);

@@ -3,13 +3,6 @@
 
 const kMaxZoom = 32;
 
-function element(tag, className, text) {
-  const node = document.createElement(tag);
-  if (className) node.className = className;
-  if (text !== undefined) node.textContent = text;
-  return node;
-}
-
 // Which part of a picture is in sight: `zoom` >= 1 and the middle in 0..1 of the picture. Stages may share one.
 class View {
   constructor() {

@@ -1,0 +1,253 @@
+#include "apps/tessera/atlas_bench.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "apps/tessera/commands.hpp"
+#include "engine/core/file.hpp"
+#include "engine/gl/timer.hpp"
+
+namespace tessera::app {
+
+namespace {
+
+Result<std::vector<BenchStrategy>> strategiesOf(const AtlasBenchOptions& options) {
+  static const std::map<std::string, BenchStrategy> kKnown = {
+      {"S0", {"S0", AtlasStrategy::S0, true}},
+      {"S0-unmerged", {"S0-unmerged", AtlasStrategy::S0, false}},
+      {"S1", {"S1", AtlasStrategy::S1, false}},
+      {"S2", {"S2", AtlasStrategy::S2, false}},
+      {"S3", {"S3", AtlasStrategy::S3, false}}};
+  std::vector<BenchStrategy> strategies;
+  for (const std::string& name : options.strategies) {
+    const auto known = kKnown.find(name);
+    if (known == kKnown.end()) return fail("--strategies {}: not one of S0, S0-unmerged, S1, S2, S3", name);
+    strategies.push_back(known->second);
+  }
+  return strategies;
+}
+
+/// `standard` first, then one size at a time changed.
+std::vector<RectMemoryOptions> variantsOf(const RectMemoryOptions& standard) {
+  std::vector<RectMemoryOptions> variants = {standard};
+  const auto largestOf = [](const RectMemoryOptions& o) { return std::min(o.largestLog2, o.superblockLog2); };
+  for (int log2 = 4; log2 <= static_cast<int>(glsl::kMaxBlockLog2); ++log2) {
+    RectMemoryOptions variant = standard;
+    variant.superblockLog2 = log2;
+    const int size = 1 << log2;
+    if (log2 != standard.superblockLog2 && variant.width % size == 0 && variant.height % size == 0)
+      variants.push_back(variant);
+  }
+  for (int log2 = 4; log2 < standard.superblockLog2; ++log2) {
+    RectMemoryOptions variant = standard;
+    variant.largestLog2 = log2;
+    if (log2 != largestOf(standard)) variants.push_back(variant);
+  }
+  for (int log2 = 0; log2 <= 2; ++log2) {
+    RectMemoryOptions variant = standard;
+    variant.smallestLog2 = log2;
+    if (log2 != standard.smallestLog2) variants.push_back(variant);
+  }
+  for (int log2 = 1; log2 <= 6; ++log2) {
+    RectMemoryOptions variant = standard;
+    variant.aspectLog2 = log2;
+    if (log2 != standard.aspectLog2) variants.push_back(variant);
+  }
+  return variants;
+}
+
+Result<std::vector<BenchVariant>> sweep(gl::Context& context, gl::ProgramCache& programs,
+                                        const RequestStream& stream, const RectMemoryOptions& standard) {
+  const auto variants = variantsOf(standard);
+  std::vector<BenchVariant> results;
+  Progress progress("sweep of " + stream.header().scene, variants.size() * stream.frames());
+  for (const RectMemoryOptions& variant : variants) {
+    BenchVariant result;
+    result.superblock = 1 << variant.superblockLog2;
+    result.smallest = 1 << variant.smallestLog2;
+    result.largest = 1 << std::min(variant.largestLog2, variant.superblockLog2);
+    result.aspect = 1 << variant.aspectLog2;
+    result.standard = results.empty();
+    auto run =
+        runOnGpu(context, programs, stream, {"S0", AtlasStrategy::S0, variant.merge}, variant, progress);
+    if (!run)
+      return fail("superblocks of {}, blocks of {} to {}, aspect {}: {}", result.superblock, result.smallest,
+                  result.largest, result.aspect, run.error().message);
+    result.summary = summarize(*run);
+    results.push_back(result);
+  }
+  return results;
+}
+
+Result<BenchScene> benchScene(gl::Context& context, gl::ProgramCache& programs, const RequestStream& stream,
+                              const std::vector<BenchStrategy>& strategies, const RectMemoryOptions& memory,
+                              bool sweeping) {
+  const RequestHeader& header = stream.header();
+  BenchScene scene;
+  scene.scene = header.scene;
+  scene.width = static_cast<int>(header.width);
+  scene.height = static_cast<int>(header.height);
+  scene.fps = header.fps;
+  scene.patchInstances = header.patchInstances;
+  scene.atlasWidth = memory.width;
+  scene.atlasHeight = memory.height;
+  std::vector<double> frameMs;
+  std::vector<double> memoryMs;
+  RequestStream::Reader reader(stream);
+  RequestFrame frame;
+  for (std::size_t f = 0; f < stream.frames(); ++f) {
+    if (auto read = reader.next(frame); !read) return tl::unexpected(read.error());
+    scene.visiblePatches += static_cast<double>(frame.patches.size()) / static_cast<double>(stream.frames());
+    if (frame.frameMs <= 0.0f) continue;
+    frameMs.push_back(static_cast<double>(frame.frameMs));
+    memoryMs.push_back(static_cast<double>(frame.memoryMs));
+  }
+  scene.frameMs = summarize(frameMs);
+  scene.memoryMs = summarize(memoryMs);
+  {
+    Progress progress(header.scene, (strategies.size() + 1) * stream.frames());
+    for (const BenchStrategy& strategy : strategies) {
+      auto run = runOnGpu(context, programs, stream, strategy, memory, progress);
+      if (!run) return tl::unexpected(run.error());
+      scene.strategies.push_back(std::move(*run));
+    }
+    // The same levels and pressure as the strategies have, so the configuration that RectMemory makes of
+    // them.
+    auto config = RectMemory::create(programs, memory, header.patchInstances);
+    if (!config) return tl::unexpected(config.error());
+    auto run = runQuadtree(stream, config->readState().config, progress);
+    if (!run) return tl::unexpected(run.error());
+    scene.quadtree = std::move(*run);
+  }
+  if (sweeping) {
+    auto swept = sweep(context, programs, stream, memory);
+    if (!swept) return tl::unexpected(swept.error());
+    scene.sweep = std::move(*swept);
+  }
+  return scene;
+}
+
+void print(const std::string& name, const BenchSummary& s) {
+  fmt::print("  {:<13} {:>5} {:>7} {:>7} {:>7.1f} {:>8.2f} {:>8.2f} {:>8.2f} {:>7.2f} {:>9.3f} {:>9.3f}\n",
+             name, s.oomFrames, s.reduced, s.resets, 100.0 * s.liveShare, 100.0 * s.keptPlace,
+             100.0 * s.movedShare, 100.0 * s.movedShareOutsideResets, s.bias, s.ms.median, s.ms.p95);
+}
+
+void printSummary(const BenchScene& scene) {
+  fmt::print("{} ({} frames of {:.0f} visible patches, atlas {} x {})\n", scene.scene,
+             scene.quadtree.frames.size(), scene.visiblePatches, scene.atlasWidth, scene.atlasHeight);
+  fmt::print("  {:<13} {:>5} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>7} {:>9} {:>9}\n", "strategy", "oom",
+             "reduced", "resets", "live %", "kept %", "moved %", "no reset", "bias", "ms", "p95");
+  for (const BenchRun& run : scene.strategies) print(run.name, summarize(run));
+  print(scene.quadtree.name, summarize(scene.quadtree));
+  for (const BenchVariant& v : scene.sweep)
+    print(fmt::format("{}/{}-{}/{}", v.superblock, v.smallest, v.largest, v.aspect), v.summary);
+}
+
+Result<void> save(const RequestStream& stream, const AtlasBenchOptions& options) {
+  if (options.record.empty()) return {};
+  std::filesystem::path file(options.record);
+  std::error_code error;
+  if (options.scenes.size() > 1) std::filesystem::create_directories(file, error);
+  if (std::filesystem::is_directory(file, error))
+    file /= std::filesystem::path(stream.header().scene).stem().concat(".trs");
+  return stream.save(file);
+}
+
+Result<void> atlasBench(const AtlasBenchOptions& options) {
+  if (options.scenes.empty() && options.load.empty())
+    return fail("no scene, and no --load of recorded requests");
+  auto size = parseSize(options.size.text);
+  if (!size) return tl::unexpected(size.error());
+  auto strategies = strategiesOf(options);
+  if (!strategies) return tl::unexpected(strategies.error());
+  auto setup = engineOptions(options.atlas);
+  if (!setup) return tl::unexpected(setup.error());
+  const RectMemoryOptions& memory = setup->atlas.memory;
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) return fail("{}: cannot be created ({})", options.output, error.message());
+  auto context = openContext(options.context);
+  if (!context) return tl::unexpected(context.error());
+  gl::ProgramCache programs(**context);
+
+  BenchReport report;
+  const gl::ContextInfo& info = (*context)->info();
+  report.context = {
+      info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
+      options.command};
+  report.settings = fmt::format(
+      "Superblocks of {} texels a side; high-water mark {:.0f} %; target from {:.0f} to {:.0f} % of the "
+      "atlas; lowest "
+      "bias {}; hysteresis {}.",
+      1 << memory.superblockLog2, 100.0f * memory.highWater, 100.0f * memory.targetShare,
+      100.0f * memory.targetLargest, memory.biasFloor, memory.hysteresis);
+  const auto bench = [&](const RequestStream& stream) -> Result<void> {
+    auto scene = benchScene(**context, programs, stream, *strategies, memory, options.sweep);
+    if (!scene) return fail("{}: {}", stream.header().scene, scene.error().message);
+    printSummary(*scene);
+    report.scenes.push_back(std::move(*scene));
+    return {};
+  };
+  for (const std::string& scene : options.scenes) {
+    auto stream = recordRequests(**context, scene, options, *size);
+    if (!stream) return tl::unexpected(stream.error());
+    if (auto saved = save(*stream, options); !saved) return saved;
+    if (auto done = bench(*stream); !done) return done;
+  }
+  for (const std::string& file : options.load) {
+    auto stream = RequestStream::load(file);
+    if (!stream) return tl::unexpected(stream.error());
+    if (auto done = bench(*stream); !done) return done;
+  }
+  const std::filesystem::path folder(options.output);
+  if (auto written = writeFile(folder / "atlas_bench.json", toJson(report)); !written) return written;
+  if (auto written = writeFile(folder / "atlas_bench.html", toHtml(report)); !written) return written;
+  fmt::print("{}\n", (folder / "atlas_bench.html").string());
+  return {};
+}
+
+}  // namespace
+
+Run addAtlasBench(CLI::App& app) {
+  auto options = std::make_shared<AtlasBenchOptions>();
+  options->camera.path = "tour";
+  options->camera.frames = 1000;
+  options->camera.fps = 0.0;  // unless given: as it takes to see the whole path
+  options->atlas.megapixels = 4.0;
+  options->atlas.biasFloor = -2.0;
+  CLI::App& command = *app.add_subcommand(
+      "atlas-bench",
+      "Allocators of the atlas memory over the same requests; writes atlas_bench.json and atlas_bench.html");
+  command.add_option("scenes", options->scenes, "glTF 2.0 files, of which the requests are recorded");
+  command.add_option("-o,--output", options->output, "folder for the results")->required();
+  command.add_option("--record", options->record,
+                     "save the requests to this file; into this folder for several scenes");
+  command.add_option("--load", options->load,
+                     "files of requests that were saved before: nothing is rendered");
+  command.add_option("--strategies", options->strategies, "comma-separated: S0, S0-unmerged, S1, S2, S3")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_flag("--sweep", options->sweep, "also S0 with other superblocks, block sizes and aspects");
+  addContext(command, options->context);
+  addSize(command, options->size);
+  addCamera(command, options->camera);
+  addStage(command, options->stage);
+  addAtlas(command, options->atlas);
+  // All strategies run, and no texel is drawn that would have a format.
+  for (const char* unused : {"--strategy", "--no-merge", "--atlas-format"})
+    command.remove_option(command.get_option(unused));
+  return [options] {
+    options->command = "tessera atlas-bench";
+    for (const auto* files : {&options->scenes, &options->load})
+      for (const std::string& file : *files)
+        options->command += " " + std::filesystem::path(file).filename().string();
+    return atlasBench(*options);
+  };
+}
+
+}  // namespace tessera::app

@@ -1,0 +1,175 @@
+// tessera compare: the methods side by side on the same frames, as report.json and report.html.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/tessera/commands.hpp"
+#include "apps/tessera/compare/figures.hpp"
+#include "apps/tessera/compare/scene.hpp"
+#include "engine/core/file.hpp"
+
+namespace tessera::app {
+
+namespace {
+
+void printSummary(const ReportScene& scene) {
+  fmt::print("{} ({} triangles, {} frames of {} x {})\n", scene.file, scene.triangles, scene.frames,
+             scene.width, scene.height);
+  std::size_t widest = 0;
+  for (const ReportMethod& m : scene.methods) widest = std::max(widest, m.name.size());
+  const auto cell = [](double value, int decimals) {
+    return std::isnan(value) ? std::string("-") : fmt::format("{:.{}f}", value, decimals);
+  };
+  fmt::print("  {:<{}} {:>7} {:>9} {:>7} {:>11} {:>10} {:>11} {:>10} {:>10} {:>6}\n", "method", widest,
+             "MSSIM", "by acuity", "PSNR dB", "FLIP", "samples", "of a pic.", "of forward", "frame ms",
+             "holes");
+  for (const ReportMethod& m : scene.methods)
+    fmt::print("  {:<{}} {:>7} {:>9} {:>7} {:>11} {:>10.0f} {:>9.1f} % {:>8.1f} % {:>10.1f} {:>6.0f}\n",
+               m.name, widest, cell(m.mssim, 4), cell(m.mssimAcuity, 4), cell(m.psnrDb, 2), cell(m.flip, 4),
+               shadedSamples(m), 100.0 * shadedPerTargetPixel(scene, m),
+               100.0 * shadedAgainstReference(scene, m), m.frameMs.median, m.holes);
+}
+
+/// The methods asked for and those of the figures, each once, what others are compared with first.
+Result<std::vector<Method>> methodsOf(const CompareOptions& options,
+                                      const std::vector<ReportFigure>& figures) {
+  auto spatial = spatialOf(options.spatial);
+  if (!spatial) return tl::unexpected(spatial.error());
+  std::vector<std::string> names = figures.empty() ? options.methods : std::vector<std::string>();
+  for (const ReportFigure& figure : figures)
+    for (const ReportBar& bar : figure.bars) names.push_back(bar.method);
+  std::vector<Method> methods;
+  for (const std::string& name : names) {
+    const auto same = [&](const Method& method) { return method.name == name; };
+    if (std::any_of(methods.begin(), methods.end(), same)) continue;
+    auto method = parseMethod(name, options.atlas, *spatial);
+    if (!method) return tl::unexpected(method.error());
+    methods.push_back(std::move(*method));
+  }
+  // References are drawn whether they are asked for or not.
+  for (const Kind kind : {Kind::ForwardStereo, Kind::Forward}) {
+    const bool stereo = kind == Kind::ForwardStereo;
+    if (std::none_of(methods.begin(), methods.end(), [&](const Method& m) { return m.isStereo() == stereo; }))
+      continue;
+    const auto found =
+        std::find_if(methods.begin(), methods.end(), [&](const Method& m) { return m.kind == kind; });
+    if (found == methods.end())
+      methods.insert(methods.begin(), Method{stereo ? "forward-stereo" : "forward", kind, {}, {}});
+    else
+      std::rotate(methods.begin(), found, found + 1);
+  }
+  return methods;
+}
+
+Result<void> compare(const CompareOptions& options) {
+  auto size = parseSize(options.size.text);
+  if (!size) return tl::unexpected(size.error());
+  auto figures = figuresOf(options.figures);
+  if (!figures) return tl::unexpected(figures.error());
+  auto methods = methodsOf(options, *figures);
+  if (!methods) return tl::unexpected(methods.error());
+  for (const Method& method : *methods)
+    if (method.kind == Kind::ForwardLanczos && (size->x % 2 != 0 || size->y % 2 != 0))
+      return fail("--size {}: forward-lanczos draws half of the width and of the height: both must be even",
+                  options.size.text);
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) return fail("{}: cannot be created ({})", options.output, error.message());
+  auto context = openContext(options.context);
+  if (!context) return tl::unexpected(context.error());
+
+  Report report;
+  const gl::ContextInfo& info = (*context)->info();
+  report.context = {
+      info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
+      options.command};
+  for (const std::string& file : options.scenes) {
+    auto scene = compareScene(**context, file, *methods, options, *size);
+    if (!scene) return tl::unexpected(scene.error());
+    printSummary(*scene);
+    report.scenes.push_back(std::move(*scene));
+  }
+  report.figures = std::move(*figures);
+  const std::filesystem::path folder(options.output);
+  if (auto written = writeFile(folder / "report.json", toJson(report)); !written) return written;
+  if (auto written = writeFile(folder / "report.html", toHtml(report)); !written) return written;
+  fmt::print("{}\n", (folder / "report.html").string());
+  return {};
+}
+
+}  // namespace
+
+Run addCompare(CLI::App& app) {
+  auto options = std::make_shared<CompareOptions>();
+  options->camera.path = "tour";
+  options->camera.frames = 12;
+  options->camera.fps = 0.0;  // unless given: as it takes to see the whole path
+  CLI::App& command = *app.add_subcommand(
+      "compare", "Draw the same frames by several methods; writes report.json and report.html");
+  command.add_option("scenes", options->scenes, "glTF 2.0 files")->required();
+  command.add_option("-o,--output", options->output, "folder for the report")->required();
+  auto* methods =
+      command
+          .add_option(
+              "--methods", options->methods,
+              "comma-separated: forward, forward-prepass, forward-lanczos, forward-stereo, warp-stereo, "
+              "rect, rect-deferred, rect-stereo; rect ones take settings after a colon, joined by +: "
+              "mpix=N, bias=N, bias=off, floor=N, foveate, lens")
+          ->delimiter(',')
+          ->capture_default_str();
+  auto* figures =
+      command
+          .add_option("--figures", options->figures,
+                      "in place of methods: 4.1, 4.3, 4.6, 4.7 (comma-separated) or all: what these "
+                      "figures of the thesis compare; then 1920x1080, 6 frames and MSSIM alone, "
+                      "unless asked for otherwise")
+          ->delimiter(',')
+          ->excludes(methods);
+  auto* metrics =
+      command
+          .add_option("--metrics", options->metrics,
+                      "comma-separated: mssim (always taken), psnr, flip (and its error pictures)")
+          ->delimiter(',')
+          ->check(CLI::IsMember({"mssim", "psnr", "flip"}))
+          ->capture_default_str();
+  command
+      .add_option("--eye-distance", options->eyeDistance,
+                  "between the eyes of stereo methods, in the scene's unit (glTF: metres)")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  command.add_option("--warmup", options->warmup, "frames drawn and thrown away before each method")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
+  command
+      .add_option("--repeats", options->repeats, "times each frame is drawn; the median of each pass counts")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  addContext(command, options->context);
+  addSize(command, options->size);
+  addCamera(command, options->camera);
+  addStage(command, options->stage);
+  addAtlas(command, options->atlas);
+  addSpatial(command, options->spatial);
+  const auto* size = command.get_option("--size");
+  const auto* frames = command.get_option("--frames");
+  return [options, figures, metrics, size, frames] {
+    if (figures->count() > 0) {
+      if (size->count() == 0) options->size.text = "1920x1080";
+      if (frames->count() == 0) options->camera.frames = 6;
+      if (metrics->count() == 0) options->metrics = {"mssim"};
+    }
+    options->command = "tessera compare";
+    for (const std::string& scene : options->scenes)
+      options->command += " " + std::filesystem::path(scene).filename().string();
+    const bool asFigures = figures->count() > 0;
+    options->command += fmt::format("{} {} --size {} --frames {}", asFigures ? " --figures" : " --methods",
+                                    fmt::join(asFigures ? options->figures : options->methods, ","),
+                                    options->size.text, options->camera.frames);
+    return compare(*options);
+  };
+}
+
+}  // namespace tessera::app

@@ -1,0 +1,53 @@
+// What `tessera compare --methods` names: ways to draw a frame.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "apps/tessera/options.hpp"
+
+namespace tessera::app {
+
+enum class Kind : std::uint8_t {
+  Forward,
+  ForwardPrepass,
+  ForwardLanczos,  // a quarter of the pixels, upsampled
+  ForwardStereo,   // an eye after the other: what the stereo methods are compared with
+  WarpStereo,      // the left eye drawn forward, the right one warped from it
+  Rect,
+  RectDeferred,
+  RectStereo  // shaded once from between the eyes, displayed twice
+};
+
+struct Method {
+  std::string name;
+  Kind kind = Kind::Forward;
+  AtlasChoice atlas;     // of methods that use one
+  SpatialReuse spatial;  // none but of methods that use an atlas
+  [[nodiscard]] bool usesAtlas() const {
+    return kind == Kind::Rect || kind == Kind::RectDeferred || kind == Kind::RectStereo;
+  }
+  [[nodiscard]] bool isStereo() const {
+    return kind == Kind::ForwardStereo || kind == Kind::WarpStereo || kind == Kind::RectStereo;
+  }
+  /// Whether its pictures are what others are compared with.
+  [[nodiscard]] bool isReference() const { return kind == Kind::Forward || kind == Kind::ForwardStereo; }
+};
+
+/// The name of the method that such a method is compared with.
+inline const char* referenceOf(const Method& method) {
+  return method.isStereo() ? "forward-stereo" : "forward";
+}
+
+/// "rect-stereo:mpix=16+bias=off" as a method: settings after a colon, joined by +, for those that use an
+/// atlas. `atlas` and `spatial` are what holds where the text says nothing. Fails with the method and the
+/// setting that it does not know, or whose value is out of range.
+///   mpix=N      an atlas of N * 2^20 texels, 0.0625 to 128
+///   bias=N      constant level bias, -8 to 16
+///   bias=off    no constant bias, and none by memory pressure
+///   floor=N     lowest bias that room to spare may lead to, -4 to 0
+///   foveate     fewer texels where the eye resolves less
+///   lens        drawn through the lens
+Result<Method> parseMethod(const std::string& text, const AtlasChoice& atlas, const SpatialReuse& spatial);
+
+}  // namespace tessera::app

@@ -1,0 +1,48 @@
+#include "apps/tessera/compare/pictures.hpp"
+
+#include <algorithm>
+
+namespace tessera::app {
+
+std::size_t coveredPixels(const Image& image) {
+  std::size_t covered = 0;
+  for (std::size_t i = 3; i < image.pixels.size(); i += 4) covered += image.pixels[i] > 0 ? 1 : 0;
+  return covered;
+}
+
+std::size_t holesOf(const Image& reference, const Image& test) {
+  std::size_t holes = 0;
+  for (std::size_t i = 3; i < reference.pixels.size(); i += 4)
+    holes += reference.pixels[i] > 0 && test.pixels[i] == 0 ? 1 : 0;
+  return holes;
+}
+
+Image halved(const Image& image, int largestSide) {
+  Image small = image;
+  while (std::max(small.width, small.height) > largestSide && small.width > 1 && small.height > 1) {
+    Image next{small.width / 2, small.height / 2, {}};
+    next.pixels.resize(static_cast<std::size_t>(next.width) * static_cast<std::size_t>(next.height) * 4);
+    for (int y = 0; y < next.height; ++y)
+      for (int x = 0; x < next.width; ++x)
+        for (int c = 0; c < 4; ++c)
+          next.at(x, y)[c] = static_cast<std::uint8_t>(
+              (small.at(2 * x, 2 * y)[c] + small.at(2 * x + 1, 2 * y)[c] + small.at(2 * x, 2 * y + 1)[c] +
+               small.at(2 * x + 1, 2 * y + 1)[c] + 2) /
+              4);
+    small = std::move(next);
+  }
+  return small;
+}
+
+namespace {
+constexpr std::size_t kPictures = 3;
+}  // namespace
+
+std::vector<std::size_t> pictureFrames(std::size_t frames) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < std::min(kPictures, frames); ++i)
+    chosen.push_back(frames <= kPictures ? i : (2 * i + 1) * frames / (2 * kPictures));
+  return chosen;
+}
+
+}  // namespace tessera::app

@@ -1,0 +1,87 @@
+#include "apps/tessera/report/report_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/tessera/report/report_json.hpp"
+#include "apps/tessera/report/report_table.hpp"
+
+namespace tessera {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const ReportMethod* methodOf(const ReportScene& scene, const ReportBar& bar) {
+  const auto found = std::find_if(scene.methods.begin(), scene.methods.end(),
+                                  [&](const ReportMethod& method) { return method.name == bar.method; });
+  return found == scene.methods.end() ? nullptr : &*found;
+}
+
+std::string row(const ReportScene& scene, const ReportBar& bar, const ReportMethod& method, bool foveated) {
+  std::string cells = fmt::format(
+      "<th scope=\"row\">{} <small>{}</small></th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
+      escapeHtml(bar.label), escapeHtml(bar.method), formatShare(shadedPerTargetPixel(scene, method)),
+      formatShare(shadedPerPicturePixel(scene, method)), formatShare(shadedAgainstReference(scene, method)),
+      formatShare(method.invocations / (static_cast<double>(scene.width) * scene.height)),
+      formatFixed(method.mssim, 4));
+  if (foveated) cells += fmt::format("<td>{}</td>", formatFixed(method.mssimAcuity, 4));
+  return "<tr>" + cells + "</tr>\n";
+}
+
+}  // namespace
+
+Json figureJson(const Report& report, const ReportFigure& figure) {
+  Json scenes = Json::array();
+  for (const ReportScene& scene : report.scenes) {
+    Json bars = Json::array();
+    for (const ReportBar& bar : figure.bars) {
+      const ReportMethod* method = methodOf(scene, bar);
+      if (method == nullptr) continue;
+      bars.push_back({{"method", bar.method},
+                      {"label", bar.label},
+                      {"shaded_per_target_pixel", number(shadedPerTargetPixel(scene, *method))},
+                      {"shaded_per_picture_pixel", number(shadedPerPicturePixel(scene, *method))},
+                      {"shaded_against_reference", number(shadedAgainstReference(scene, *method))},
+                      {"mssim", number(method->mssim)},
+                      {"mssim_acuity", number(method->mssimAcuity)}});
+    }
+    scenes.push_back({{"file", scene.file}, {"bars", std::move(bars)}});
+  }
+  return {
+      {"figure", figure.id}, {"title", figure.title}, {"text", figure.text}, {"scenes", std::move(scenes)}};
+}
+
+std::string figureSection(const Report& report, std::size_t index) {
+  const ReportFigure& figure = report.figures[index];
+  bool foveated = false;
+  for (const ReportScene& scene : report.scenes)
+    for (const ReportBar& bar : figure.bars) {
+      const ReportMethod* method = methodOf(scene, bar);
+      foveated = foveated || (method != nullptr && !std::isnan(method->mssimAcuity));
+    }
+  std::string out = fmt::format(
+      "<section class=\"figure\" id=\"figure-{0}\" data-figure=\"{0}\">\n<h2>Figure {1}: {2}</h2>\n"
+      "<p class=\"facts\">{3}</p>\n<div class=\"charts\"></div>\n<div class=\"scroll\"><table "
+      "class=\"summary\"><thead><tr><th scope=\"col\">Scene and method</th><th scope=\"col\">Samples shaded, "
+      "of a "
+      "picture's pixels</th><th scope=\"col\">of all pictures' pixels</th><th scope=\"col\">of forward's "
+      "samples</th><th scope=\"col\">Invocations as GL counts them, of a picture's pixels</th><th "
+      "scope=\"col\">MSSIM</th>{4}</tr></thead>\n",
+      index, escapeHtml(figure.id), escapeHtml(figure.title), escapeHtml(figure.text),
+      foveated ? "<th scope=\"col\">MSSIM by acuity</th>" : "");
+  for (std::size_t s = 0; s < report.scenes.size(); ++s) {
+    const ReportScene& scene = report.scenes[s];
+    out += fmt::format(
+        "<tbody><tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\"><a "
+        "href=\"#scene-{}\">{}</a></th></tr>\n",
+        foveated ? 7 : 6, s, escapeHtml(scene.file));
+    for (const ReportBar& bar : figure.bars)
+      if (const ReportMethod* method = methodOf(scene, bar)) out += row(scene, bar, *method, foveated);
+    out += "</tbody>\n";
+  }
+  return out + "</table></div>\n</section>\n";
+}
+
+}  // namespace tessera

@@ -1,0 +1,76 @@
+#include "apps/tessera/report/report_page.hpp"
+
+#include <span>
+
+#include <fmt/format.h>
+
+#include "apps/tessera/report/report_table.hpp"
+#include "engine/core/embedded.hpp"
+
+namespace tessera {
+
+std::span<const EmbeddedText> embeddedReportPage();
+std::span<const EmbeddedText> embeddedChart();
+
+namespace {
+
+const EmbeddedText* find(std::span<const EmbeddedText> files, std::string_view path) {
+  for (const EmbeddedText& file : files)
+    if (file.path == path) return &file;
+  return nullptr;
+}
+
+}  // namespace
+
+std::string fillPage(std::string_view page,
+                     const std::map<std::string, std::string_view, std::less<>>& values) {
+  std::string_view rest = find(embeddedReportPage(), page)->text;
+  std::string out;
+  // Left to right, each once: text that is put in is never searched.
+  while (!rest.empty()) {
+    const std::size_t open = rest.find("{{");
+    out += rest.substr(0, open);
+    if (open == std::string_view::npos) break;
+    const std::size_t close = rest.find("}}", open);
+    const std::string name(rest.substr(open + 2, close - open - 2));
+    if (name == "chart")
+      out += find(embeddedChart(), "chart.min.js")->text;
+    else if (const EmbeddedText* file = find(embeddedReportPage(), name); file != nullptr)
+      out += file->text;
+    else
+      out += values.at(name);
+    rest.remove_prefix(close + 2);
+  }
+  return out;
+}
+
+std::string scriptData(const nlohmann::ordered_json& root) {
+  const std::string json = root.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  std::string out;
+  out.reserve(json.size());
+  // Only "<" could end a script element early.
+  for (const char c : json) {
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+std::string contextList(const ReportContext& context) {
+  std::string out;
+  const auto add = [&out](std::string_view name, const std::string& value) {
+    if (!value.empty()) out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", name, escapeHtml(value));
+  };
+  add("Renderer", context.renderer);
+  add("Context", context.backend);
+  add("GL", context.gl);
+  add("GLSL", context.glsl);
+  add("Timer", context.timer);
+  add("Commit", context.commit);
+  add("Command", context.command);
+  return out;
+}
+
+}  // namespace tessera

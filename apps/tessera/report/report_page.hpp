@@ -1,0 +1,24 @@
+// What makes a self-contained page of the embedded templates, styles and scripts.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/tessera/report/report.hpp"
+
+namespace tessera {
+
+/// The template `page`, one of the files under page/, with each {{name}} replaced: {{chart}} by the chart
+/// library, {{x.css}} and {{x.js}} by the file of that name, and the others by `values`, which must have
+/// them.
+std::string fillPage(std::string_view page,
+                     const std::map<std::string, std::string_view, std::less<>>& values);
+/// JSON for the inside of a script element.
+std::string scriptData(const nlohmann::ordered_json& json);
+/// Items of a description list.
+std::string contextList(const ReportContext& context);
+
+}  // namespace tessera

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <cstddef>
 #include <vector>
 
 #include "engine/measure/acuity.hpp"
@@ -21,8 +21,8 @@ Plane<double> halved(int width, int height, const LumaRow& luma) {
     luma(2 * y, upper.data());
     luma(std::min(2 * y + 1, height - 1), lower.data());
     for (int x = 0; x < out.width; ++x) {
-      const auto left = static_cast<std::size_t>(2 * x);
-      const auto right = static_cast<std::size_t>(std::min(2 * x + 1, width - 1));
+      const std::size_t left = 2 * static_cast<std::size_t>(x);
+      const std::size_t right = std::min(left + 1, upper.size() - 1);
       out.row(y)[x] = 0.25 * (upper[left] + upper[right] + lower[left] + lower[right]);
     }
   }

@@ -30,6 +30,10 @@ Image noise(int width, int height, unsigned seed) {
   return image;
 }
 
+std::size_t indexOf(int width, int x, int y) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+}
+
 /// Smooth waves, so that filters see more than noise; `phase` moves them.
 Image waves(int width, int height, double phase) {
   Image image{width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width * height * 4), 255)};
@@ -223,7 +227,7 @@ TEST(AcuityScales, AreTheAcuityCurve) {
   std::size_t least = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const float scale = (*scales)[static_cast<std::size_t>(y * width + x)];
+      const float scale = (*scales)[indexOf(width, x, y)];
       ASSERT_NEAR(scale, scaleByHand(width, height, x, y, eye), 1e-5) << x << ", " << y;
       largest = std::max(largest, static_cast<double>(scale));
       least += scale == 1.0F ? 1 : 0;
@@ -352,16 +356,16 @@ TEST(AcuityMssim, BlurBelowTheEyesResolutionCountsLittle) {
     double total = 0;
     for (int y = 0; y < map->height; ++y)
       for (int x = 0; x < map->width; ++x) {
-        const double s = static_cast<double>((*scales)[static_cast<std::size_t>((y + 5) * width + x + 5)]);
-        loss += (1 - map->map[static_cast<std::size_t>(y * map->width + x)]) / (s * s);
+        const double s = static_cast<double>((*scales)[indexOf(width, x + 5, y + 5)]);
+        loss += (1 - map->map[indexOf(map->width, x, y)]) / (s * s);
         total += 1 / (s * s);
       }
     return loss / total;
   };
   const Image atGaze = spoiled(clean, blurred, 54, 54);
   const Image aside = spoiled(clean, blurred, 180, 54);
-  EXPECT_EQ((*scales)[static_cast<std::size_t>(64 * width + 64 - 14)], 1.0F);
-  EXPECT_GT((*scales)[static_cast<std::size_t>(64 * width + 175)], 2.0F);
+  EXPECT_EQ((*scales)[indexOf(width, 50, 64)], 1.0F);
+  EXPECT_GT((*scales)[indexOf(width, 175, 64)], 2.0F);
   EXPECT_LT(mssim(clean, aside)->mean, 0.995) << "no blur to see";
   EXPECT_NEAR(1 - acuityMssim(clean, atGaze, kFovY, eye).value(), lossOf(atGaze), 1e-2 * lossOf(atGaze));
   EXPECT_LT(1 - acuityMssim(clean, aside, kFovY, eye).value(), 1e-2 * lossOf(aside));

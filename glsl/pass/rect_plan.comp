@@ -29,7 +29,7 @@ float takenTexels() {
   return float(taken);
 }
 
-// A camera that jumps: most of what it asks for is new and does not fit beside what the last frame left. Packing all
+// A camera that jumps: a good part of what it asks for is new and does not fit beside what the last frame left. Packing all
 // afresh then moves little that would have stayed, and spares the new from want of memory.
 bool jumps(PressureState pressure) {
   float fresh = 0.0;
@@ -37,7 +37,7 @@ bool jumps(PressureState pressure) {
     fresh += float(atlas.ideal[part].newHigh) * 4294967296.0 + float(atlas.ideal[part].newLow);
   fresh *= exp2(-atlas.pressureBias);
   uint area = atlas.config.width * atlas.config.height;
-  return atlas.cutTexels > 0u && fresh > float(area - atlas.cutTexels) && fresh > 0.5 * pressure.target;
+  return atlas.cutTexels > 0u && fresh > float(area - atlas.cutTexels) && fresh > 0.25 * pressure.target;
 }
 
 bool openFrame() {

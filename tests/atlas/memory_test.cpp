@@ -542,7 +542,7 @@ TEST_F(Memory, ACameraThatJumpsFindsMemoryPackedAfresh) {
     EXPECT_EQ(now.failures, held ? 60u - 8u : 0u);
     EXPECT_EQ(feed.memory.readState().ideal[0].newLow, 0u);
     if (held) continue;
-    // Fewer than half of what the atlas aims at: the others may have their places.
+    // What fits beside the others does not move them.
     sum.newLow = 16 * 64;
     feed.memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
     feed.frame(others);

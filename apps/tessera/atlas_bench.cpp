@@ -168,6 +168,13 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
   auto setup = engineOptions(options.atlas);
   if (!setup) return tl::unexpected(setup.error());
   const RectMemoryOptions& memory = setup->atlas.memory;
+  // A file that cannot be read is known before minutes of recording.
+  std::vector<RequestStream> loaded;
+  for (const std::string& file : options.load) {
+    auto stream = RequestStream::load(file);
+    if (!stream) return tl::unexpected(stream.error());
+    loaded.push_back(std::move(*stream));
+  }
   std::error_code error;
   std::filesystem::create_directories(options.output, error);
   if (error) return fail("{}: cannot be created ({})", options.output, error.message());
@@ -199,11 +206,8 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
     if (auto saved = save(*stream, options); !saved) return saved;
     if (auto done = bench(*stream); !done) return done;
   }
-  for (const std::string& file : options.load) {
-    auto stream = RequestStream::load(file);
-    if (!stream) return tl::unexpected(stream.error());
-    if (auto done = bench(*stream); !done) return done;
-  }
+  for (const RequestStream& stream : loaded)
+    if (auto done = bench(stream); !done) return done;
   const std::filesystem::path folder(options.output);
   if (auto written = writeFile(folder / "atlas_bench.json", toJson(report)); !written) return written;
   if (auto written = writeFile(folder / "atlas_bench.html", toHtml(report)); !written) return written;

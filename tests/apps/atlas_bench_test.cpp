@@ -73,6 +73,7 @@ TEST_F(AtlasBench, RefusesWithOneLine) {
   expectRefused("atlas-bench -o x", "no scene");
   expectRefused(fmt::format("atlas-bench '{}'", atrium()), "--output");
   expectRefused("atlas-bench --load nothing.trs -o x", "nothing.trs");
+  expectRefused(fmt::format("atlas-bench '{}' --load nothing.trs -o x", atrium()), "nothing.trs");
   expectRefused(fmt::format("atlas-bench --load '{}' -o x", atrium()), "not a request stream");
   expectRefused(fmt::format("atlas-bench '{}' -o x --strategies S0,S9", atrium()), "S9");
   expectRefused(fmt::format("atlas-bench '{}' -o x --path nowhere.json", atrium()), "nowhere.json");

@@ -44,6 +44,7 @@ TEST_F(Cli, BadArgumentsAreNamed) {
   expectRefused(fmt::format("render '{}' -o a.png --fov-y 200", atrium()), "200");
   expectRefused(fmt::format("render '{}' -o a.png --path nowhere.json", atrium()), "nowhere.json");
   const std::string compare = fmt::format("compare '{}' -o r ", atrium());
+  expectRefused(compare + "--methods rect-stereo --eye-distance nan", "--eye-distance nan");
   for (const auto& [method, named] : {std::pair<std::string, std::string>{"rect:blur=2", "blur=2"},
                                       {"rect:bias=17", "bias=17"},
                                       {"rect:bias=", "bias="},

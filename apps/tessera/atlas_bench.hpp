@@ -42,7 +42,8 @@ struct BenchStrategy {
 /// or memory is not whole in the end.
 Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, const RequestStream& stream,
                           const BenchStrategy& strategy, RectMemoryOptions options, Progress& progress);
-/// The same on the CPU: timed is QuadtreeAtlas::frame, which does what allocate does.
+/// The same on the CPU: timed is QuadtreeAtlas::frame, which does what allocate does but for what its header
+/// names.
 Result<BenchRun> runQuadtree(const RequestStream& stream, const glsl::AtlasConfig& config,
                              Progress& progress);
 

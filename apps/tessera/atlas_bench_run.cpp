@@ -30,8 +30,9 @@ class StreamFeed {
     const auto count = static_cast<std::uint32_t>(frame.patches.size());
     for (std::uint32_t i = 0; i < count; ++i) {
       std::uint32_t& seen = numbers_[frame.patches[i]];
-      if (seen == 0 || seen + 1 != number_)
-        fresh += glsl::idealTexels(frame.measures[i], config.constantBias, config.range);
+      const glsl::uint texels = glsl::idealTexels(frame.measures[i], config.constantBias, config.range);
+      // As rect_measure.comp sums it: patches at the smallest block are left out.
+      if ((seen == 0 || seen + 1 != number_) && texels != glsl::smallestTexels(config.range)) fresh += texels;
       seen = number_;
     }
     list_.writeValue(count);

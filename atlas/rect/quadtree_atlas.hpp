@@ -1,5 +1,6 @@
 // The memory of the rectangular atlas by QuadtreeAllocator: the same frames as RectMemory makes on the GPU,
-// with the same level selection and the same control of pressure, on one CPU thread.
+// with the same level selection and controller of S, on one CPU thread. Unlike them it does not reset when
+// the camera jumps, and a patch that got a smaller block asks again each frame.
 #pragma once
 
 #include <array>

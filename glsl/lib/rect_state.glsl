@@ -3,8 +3,9 @@
 #include "shared/levels.h"
 #include "shared/rect_memory.h"
 
-layout(std430, binding = BIND_ATLAS_STATE) buffer AtlasStates { AtlasState atlas; };
-layout(std430, binding = BIND_ATLAS_STACKS) buffer AtlasStacks { uint stackEntries[]; };
+// Coherent: threads of one pass read what others of it wrote, after a barrier (see rect_provision.comp, rect_merge.comp).
+layout(std430, binding = BIND_ATLAS_STATE) coherent buffer AtlasStates { AtlasState atlas; };
+layout(std430, binding = BIND_ATLAS_STACKS) coherent buffer AtlasStacks { uint stackEntries[]; };
 layout(std430, binding = BIND_ATLAS_SUPERBLOCKS) buffer Superblocks { uint superblockWords[]; };
 layout(std430, binding = BIND_PATCH_STATE) buffer PatchStates { PatchState patchStates[]; };
 layout(std430, binding = BIND_ATLAS_LIVE) buffer Live { uint liveCount; uint liveIds[]; };

@@ -4,19 +4,23 @@
 #include "lib/rect_state.glsl"
 
 layout(local_size_x = 256) in;
-layout(std430, binding = BIND_ATLAS_MERGE) buffer MergeMap { uint mergeBits[]; };
+layout(std430, binding = BIND_ATLAS_MERGE) coherent buffer MergeMap { uint mergeBits[]; };
 
 shared uint kept;
 
-// The stack of the parents' level has room for all that could be made of the two levels that merge into it. While the
-// other level's group is at work, its sum can only read too large.
+// Blocks on a stack that the other level's group may be working on.
+uint stacked(uint w, uint h) { return uint(atomicAdd(atlas.levels[levelIndex(w, h)].stackCount, 0)); }
+
+// The stack of the parents' level has room for all that could be made of the two levels that merge into it. The children
+// are counted before the parents: a group adds its parents before it takes the children off, so what it does meanwhile
+// is counted twice or once, never left out.
 bool parentsFit(uint w, uint h) {
-  LevelState parent = atlas.levels[parentIndex(w, h)];
   uint made = 0u;
-  if (w != h) made += uint(atlas.levels[levelIndex(w, h)].stackCount) / 2u;
-  if (w == h) made += uint(atlas.levels[levelIndex(w, w)].stackCount) / 4u + uint(atlas.levels[levelIndex(w + 1u, w)].stackCount) / 2u;
-  else if (w == h + 1u && h > 0u) made += uint(atlas.levels[levelIndex(h, h)].stackCount) / 4u;
-  return parent.existing + made < parent.stackCapacity;
+  if (w == h) made = stacked(w, w) / 4u + stacked(w + 1u, w) / 2u;
+  else made = stacked(w, h) / 2u + (w == h + 1u && h > 0u ? stacked(h, h) / 4u : 0u);
+  memoryBarrierBuffer();
+  uint parent = parentIndex(w, h);
+  return atomicAdd(atlas.levels[parent].existing, 0u) + made < atlas.levels[parent].stackCapacity;
 }
 
 void mark(uint origin) {

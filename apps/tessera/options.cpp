@@ -149,7 +149,14 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
       std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
   memory.bias = static_cast<float>(choice.bias);
   memory.pressureBias = choice.pressureBias;
+  TessMemoryOptions& tess = options.tess.memory;
+  tess.width = memory.width;
+  tess.height = memory.height;
+  tess.bias = memory.bias;
+  tess.biasFloor = memory.biasFloor;
+  tess.pressureBias = memory.pressureBias;
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
+  options.tess.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
 }

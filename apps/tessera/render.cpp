@@ -40,8 +40,8 @@ FrameRequest requestOf(const RenderOptions& options) {
   request.forward = options.method == "forward" || options.method == "forward-prepass";
   request.depthPrepass = options.method == "forward-prepass";
   request.rect = !request.forward || !options.view.empty();
-  request.displayGeometry = options.method != "rect-deferred";
-  request.displayDeferred = options.method == "rect-deferred";
+  request.displayDeferred = options.method.ends_with("-deferred");
+  request.displayGeometry = !request.displayDeferred;
   request.lens = options.spatial.lens.has_value();
   return request;
 }
@@ -70,6 +70,18 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
     json["resets"] = stats.resets;
     json["bias"] = stats.bias;
   }
+  if (const TessAtlas* tess = engine.tess(); tess != nullptr && engine.visibleSet()->frame() > 0) {
+    const TessStatistics stats = tess->memory().readStatistics();
+    json["visible_triangles"] = stats.visible;
+    json["single_texels"] = stats.singles;
+    json["samples_allocated"] = stats.samples;
+    json["atlas_texels_used"] = stats.liveTexels;
+    json["cell_texels"] = stats.cellTexels;
+    json["band_texels"] = stats.bandTexels;
+    json["out_of_memory"] = stats.failures;
+    json["resets"] = stats.resets;
+    json["bias"] = stats.bias;
+  }
   return json;
 }
 
@@ -94,6 +106,7 @@ Result<void> render(const RenderOptions& options) {
   if (!context) return tl::unexpected(context.error());
 
   engineSetup->request = requestOf(options);
+  if (options.method.starts_with("lpack")) engineSetup->gatherer = GathererKind::Tess;
   engineSetup->timePasses = !options.stats.empty();
   engineSetup->countFragments = !options.stats.empty();
   engineSetup->progress = step;
@@ -156,8 +169,8 @@ Run addRender(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("render", "Draw a scene to PNG files");
   command.add_option("scene", options->scene, "glTF 2.0 file, .gltf or .glb")->required();
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
-  command.add_option("--method", options->method, "forward, forward-prepass, rect or rect-deferred")
-      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred"}))
+  command.add_option("--method", options->method, "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
+      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred"}))
       ->capture_default_str();
   command
       .add_option("--view", options->view,

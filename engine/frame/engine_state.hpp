@@ -88,6 +88,7 @@ struct Engine::State {
 
   std::optional<VisibleSet> visible;
   std::optional<RectAtlas> atlas;
+  std::optional<TessAtlas> tess;
   PictureTarget picture;
   PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
   gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
@@ -141,7 +142,13 @@ struct Engine::State {
   }
 
   Result<void> compile();
-  Result<RectAtlas> makeAtlas(const RectAtlasOptions& atlasOptions);
+  /// The programs of the gatherer that the options name: those to shade and to display its atlas.
+  Result<void> compileGatherer(const EngineOptions& wanted);
+  /// Makes the gatherer that the options name, with its programs and its visible set, in place of the one there is.
+  Result<void> makeGatherer(const EngineOptions& wanted);
+  [[nodiscard]] Gatherer* gatherer() {
+    return tess ? static_cast<Gatherer*>(&*tess) : (atlas ? &*atlas : nullptr);
+  }
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
   void beginPicture(const View& view);

@@ -110,7 +110,7 @@ GLuint countingProgram() {
 // Draws the gather geometry additively and compares with the blocks that the patch states claim, texel by
 // texel.
 void expectExactCoverage(Engine& engine) {
-  const gl::Texture& atlas = engine.atlas()->texture();
+  const gl::Texture& atlas = engine.atlas()->atlas().texture;
   gl::Texture counts(GL_RGBA16F, atlas.width(), atlas.height());
   gl::api().ClearTexImage(counts.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
   const std::array<const gl::Texture*, 1> colors = {&counts};
@@ -500,7 +500,7 @@ TEST_F(EngineGl, DebugViewsShowSomethingOfEverything) {
   }
   const auto blocks = engine->debugView(DebugView::Blocks, view);
   ASSERT_TRUE(blocks);
-  EXPECT_EQ(blocks->width, engine->atlas()->texture().width());
+  EXPECT_EQ(blocks->width, engine->atlas()->atlas().texture.width());
 }
 
 }  // namespace

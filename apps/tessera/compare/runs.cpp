@@ -105,7 +105,7 @@ void Runs::keepAtlasNumbers(std::size_t f, Series& series) const {
   series.triangles.push_back(static_cast<double>(engine_.visibleTriangles()));
   series.bias.push_back(static_cast<double>(stats.bias));
   series.outOfMemory += static_cast<double>(stats.failures);
-  if (engine_.atlas()->format() == AtlasFormat::Rgba16f)
+  if (engine_.atlas()->atlas().format == AtlasFormat::Rgba16f)
     series.nonFinite = (f == 0 ? 0.0 : series.nonFinite) + static_cast<double>(engine_.nonFiniteTexels());
 }
 

@@ -77,7 +77,8 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
     json["samples_allocated"] = stats.samples;
     json["atlas_texels_used"] = stats.liveTexels;
     json["cell_texels"] = stats.cellTexels;
-    json["band_texels"] = stats.bandTexels;
+    json["free_texels"] = stats.freeTexels;
+    json["reduced"] = stats.reduced;
     json["out_of_memory"] = stats.failures;
     json["resets"] = stats.resets;
     json["bias"] = stats.bias;

@@ -44,8 +44,8 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
   config.height = static_cast<glsl::uint>(options.height);
   config.triangles = triangles;
   config.bins = glsl::kLargestLevel / 2;
-  // A run ends with its band or its bin.
-  config.runs = config.bins + config.height;
+  // A run ends with its bin or uses up a free rectangle's width.
+  config.runs = config.bins + glsl::kFreeRects + config.height;
   config.views = 1;
   config.biased = options.pressureBias ? 1 : 0;
   config.constantBias = options.bias;
@@ -65,7 +65,7 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
   return config;
 }
 
-/// The bins, highest cells first.
+/// The bins, smallest cells first.
 std::vector<glsl::TessBin> emptyBins(const glsl::TessConfig& config, std::uint64_t& entries) {
   std::vector<glsl::TessBin> bins(config.bins);
   entries = 0;
@@ -120,6 +120,8 @@ Result<TessMemory> TessMemory::create(gl::ProgramCache& programs, const TessMemo
   glsl::TessAtlasState state{};
   state.config = *config;
   state.epoch = 1;
+  state.rectCount = 1;
+  state.rects[0] = {0, 0, config->width, config->height};
   state.pressure = glsl::pressureAtStart(config->pressure);
   memory.state_.writeValue(state);
   memory.states_ = gl::Buffer(std::size_t{triangles} * sizeof(glsl::TessState));
@@ -205,12 +207,14 @@ TessStatistics TessMemory::readStatistics() const {
   statistics.samples = state.events.samples;
   statistics.lTexels = state.events.lTexels;
   statistics.liveTexels = state.liveTexels;
-  statistics.cellTexels = state.bandTexels;
-  statistics.bandTexels = std::uint64_t{state.bandTop} * state.config.width;
+  statistics.cellTexels = state.cellTexels;
+  for (glsl::uint i = 0; i < state.rectCount; ++i)
+    statistics.freeTexels += std::uint64_t{state.rects[i].width} * state.rects[i].height;
   statistics.moved = state.events.moved;
   statistics.movedTexels = state.events.movedTexels;
   statistics.freed = state.events.freed;
   statistics.failures = state.events.failures;
+  statistics.reduced = state.events.reduced;
   statistics.resets = state.resets;
   statistics.frames = state.frames;
   statistics.bias = state.config.constantBias + state.bias;

@@ -21,12 +21,12 @@ struct TessMemoryOptions {
   float targetCut = 0.95f;      // (0, 1)
   float targetGrowth = 1.002f;  // [1, 2]
   int quietFrames = 40;         // [0, 1e6]
-  float highWater = 1.0f;       // (0, 1]; share of the rows in bands beyond which memory is reset
+  float highWater = 1.0f;       // (0, 1]; share of the atlas in cells beyond which memory is reset
   float hysteresis = 0.05f;     // [0, 1] in log2 of length; negative for none
   float slanted = 4.0f;         // (0, inf]; longest edge to height beyond which a triangle is slanted
 };
 
-/// What a frame did. Texels of bands are live, free in slots, or not cut into cells.
+/// What a frame did. Texels are of cells, in rectangles without any, or lost between them.
 struct TessStatistics {
   std::uint32_t visible = 0;  // triangles
   std::uint32_t singles = 0;  // of one texel, failures included
@@ -34,11 +34,12 @@ struct TessStatistics {
   std::uint64_t lTexels = 0;  // of them in Ls
   std::uint64_t liveTexels = 0;  // of slots that hold a triangle, visible or not
   std::uint64_t cellTexels = 0;  // of all cells
-  std::uint64_t bandTexels = 0;  // of all bands
+  std::uint64_t freeTexels = 0;  // of rectangles without cells
   std::uint32_t moved = 0;
   std::uint64_t movedTexels = 0;
   std::uint32_t freed = 0;
   std::uint32_t failures = 0;  // triangles that found no memory
+  std::uint32_t reduced = 0;   // requests that got a smaller slot
   std::uint32_t resets = 0;    // since creation
   std::uint32_t frames = 0;    // since creation
   float bias = 0.0f;           // constant and pressure bias together, log2 of area

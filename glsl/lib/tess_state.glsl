@@ -12,5 +12,11 @@ layout(std430, binding = BIND_ATLAS_LIVE) buffer Live { uint liveCount; uint liv
 layout(std430, binding = BIND_VISIBLE) readonly buffer Visible { uint visibleCount; uint visibleIds[]; };
 layout(std430, binding = BIND_VISIBLE_MARK) readonly buffer Marks { uint marks[]; };
 
+const uint kNoBin = 0xffffffffu;
+
+// The bin of about half the area.
+uint smallerBin(uint bin) { return bin == 0u ? kNoBin : bin * 7u / 10u; }
+uint shapeOfBin(uint bin) { return shapeOfL(2u * (bin + 1u)); }
+
 uint binOfShape(uint shape) { return levelOfShape(shape) / 2u - 1u; }
 uint texelsOfShape(uint shape) { return lTexels(levelOfShape(shape)); }

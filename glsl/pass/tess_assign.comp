@@ -23,8 +23,10 @@ uint slotOf(uint bin, uint number) {
       high = middle;
     }
   }
-  uint place = runs[low].place;
-  return packPlace(placeX(place) + (cell - runs[low].firstCell) * bins[bin].cellWidth, placeY(place), slot & 1u);
+  TessRun run = runs[low];
+  cell -= run.firstCell;
+  return packPlace(placeX(run.place) + cell % run.columns * bins[bin].cellWidth,
+                   placeY(run.place) + cell / run.columns * bins[bin].cellHeight, slot & 1u);
 }
 
 void main() {
@@ -34,10 +36,15 @@ void main() {
   TessState state = states[triangle];
   if (state.pending != 0u) {
     uint bin = binOfShape(state.shape);
-    bool served = state.place < bins[bin].provided;
+    uint number = state.place;
+    while (bin != kNoBin && number >= bins[bin].provided) {
+      number = number - bins[bin].provided + bins[bin].overflowBase;
+      bin = bins[bin].overflowBin;
+    }
     state.pending = 0u;
-    if (served) {
-      state.place = slotOf(bin, state.place);
+    if (bin != kNoBin) {
+      state.shape = shapeOfBin(bin);
+      state.place = slotOf(bin, number);
       atomicAdd(bins[bin].live, 1u);
       atomicAdd(atlas.liveTexels, texelsOfShape(state.shape));
     } else {

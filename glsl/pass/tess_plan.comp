@@ -21,21 +21,22 @@ bool openFrame() {
   atlas.requestGroupsX = (visible + uint(TESS_GROUP) - 1u) / uint(TESS_GROUP);
   atlas.requestGroupsY = 1u;
   atlas.requestGroupsZ = 1u;
-  atlas.pressure = stepPressure(atlas.pressure, atlas.config.pressure, atlas.events.failures > 0u,
-                                float(atlas.bandTop * atlas.config.width), 0.0, atlas.bias > atlas.config.lowestBias,
+  atlas.pressure = stepPressure(atlas.pressure, atlas.config.pressure, atlas.events.failures + atlas.events.reduced > 0u,
+                                float(atlas.cellTexels), 0.0, atlas.bias > atlas.config.lowestBias,
                                 (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
   bool reset = atlas.pressure.reset != 0u;
   if (reset) {
     ++atlas.resets;
     ++atlas.epoch;  // frees every slot at once
-    atlas.bandTop = 0u;
-    atlas.bandTexels = 0u;
+    atlas.rectCount = 1u;
+    atlas.rects[0] = FreeRect(0u, 0u, atlas.config.width, atlas.config.height);
+    atlas.cellTexels = 0u;
     atlas.liveTexels = 0u;
   }
   // Singles have texels of their own, outside of what S counts.
   atlas.bias =
       atlas.config.biased != 0u ? pressureBias(low, high, 0u, atlas.pressure.target, atlas.config.lowestBias) : 0.0;
-  atlas.events = TessEvents(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+  atlas.events = TessEvents(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
   atlas.runCount = 0u;
   ++atlas.frames;
   return reset;
@@ -51,10 +52,10 @@ void closeBin(uint bin) {
   bins[bin].spare = kNoPlace;
   if ((fresh & 1u) != 0u) {
     // The last cell's second slot.
-    uint last = bins[bin].runFirst + bins[bin].runCount - 1u;
-    uint place = runs[last].place;
-    uint cell = fresh / 2u - runs[last].firstCell;
-    bins[bin].spare = packPlace(placeX(place) + cell * bins[bin].cellWidth, placeY(place), 1u);
+    TessRun last = runs[bins[bin].runFirst + bins[bin].runCount - 1u];
+    uint cell = fresh / 2u - last.firstCell;
+    bins[bin].spare = packPlace(placeX(last.place) + cell % last.columns * bins[bin].cellWidth,
+                                placeY(last.place) + cell / last.columns * bins[bin].cellHeight, 1u);
   }
 }
 
@@ -75,5 +76,4 @@ void main() {
     bins[bin].spare = kNoPlace;
     bins[bin].live = 0u;
   }
-  if (freeing && i < kTessBands) atlas.bands[i] = TessBand(0u, 0u, 0u);
 }

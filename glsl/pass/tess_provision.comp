@@ -1,29 +1,60 @@
-// Makes room for what was requested. One group. Bins come from the highest cells to the lowest, so that a band that the
-// highest of its class opened has room for the others.
+// Makes room for what was requested. One group. Bins come from the largest cells to the smallest: the large find room
+// before the small have cut it up.
 #include "lib/tess_state.glsl"
 
 layout(local_size_x = 128) in;
 
-shared uint wanting[128];
-shared uint wantingCount;
+const uint kLeastSide = 4u;  // no cell is smaller
 
-// The band that takes cells of this height, with room for one at least: that of their class, else a higher one that would
-// leave less than half of its height empty, else a new one.
-uint bandFor(uint height, uint width) {
-  uint own = bandClass(height);
-  for (uint c = own; c < kTessBands; ++c) {
-    TessBand band = atlas.bands[c];
-    if (band.height >= height && band.height <= 2u * height && band.x + width <= atlas.config.width) return c;
+void dropRect(uint r) {
+  --atlas.rectCount;
+  atlas.rects[r] = atlas.rects[atlas.rectCount];
+}
+
+void keepRect(FreeRect rect) {
+  if (rect.width < kLeastSide || rect.height < kLeastSide) return;
+  if (atlas.rectCount < kFreeRects) {
+    atlas.rects[atlas.rectCount] = rect;
+    ++atlas.rectCount;
+    return;
   }
-  if (atlas.bandTop + height <= atlas.config.height) {
-    atlas.bands[own] = TessBand(atlas.bandTop, height, 0u);
-    atlas.bandTop += height;
-    return own;
+  uint least = 0u;
+  for (uint r = 1u; r < kFreeRects; ++r)
+    if (atlas.rects[r].width * atlas.rects[r].height < atlas.rects[least].width * atlas.rects[least].height) least = r;
+  if (atlas.rects[least].width * atlas.rects[least].height < rect.width * rect.height) atlas.rects[least] = rect;
+}
+
+// The free rectangle that a row of cells leaves the least height of, and of these the narrowest.
+uint rectFor(uint width, uint height) {
+  uint best = kFreeRects;
+  uint bestScore = 0xffffffffu;
+  for (uint r = 0u; r < atlas.rectCount; ++r) {
+    FreeRect rect = atlas.rects[r];
+    if (rect.width < width || rect.height < height) continue;
+    uint score = ((rect.height - height) << 15u) + rect.width;
+    if (score < bestScore) {
+      best = r;
+      bestScore = score;
+    }
   }
-  // No room for a new band: any height is better than none.
-  for (uint c = own; c < kTessBands; ++c)
-    if (atlas.bands[c].height >= height && atlas.bands[c].x + width <= atlas.config.width) return c;
-  return kTessBands;
+  return best;
+}
+
+// Cuts up to `cells` cells from a free rectangle: a row of them, or full rows. What is left of it is free.
+uint cutCells(uint r, uint cells, uint width, uint height, out TessRun run) {
+  FreeRect rect = atlas.rects[r];
+  uint columns = min(cells, rect.width / width);
+  uint rows = min(cells / columns, rect.height / height);
+  run.place = packPlace(rect.x, rect.y, 0u);
+  run.columns = columns;
+  dropRect(r);
+  uint right = rect.width - columns * width;
+  uint below = rect.height - rows * height;
+  // The cut that leaves the larger rectangle whole.
+  bool across = right * rows * height <= below * columns * width;
+  keepRect(FreeRect(rect.x + columns * width, rect.y, right, across ? rows * height : rect.height));
+  keepRect(FreeRect(rect.x, rect.y + rows * height, across ? rect.width : columns * width, below));
+  return columns * rows;
 }
 
 void provide(uint bin) {
@@ -35,37 +66,38 @@ void provide(uint bin) {
   uint made = 0u;
   bins[bin].runFirst = atlas.runCount;
   while (made < cells && atlas.runCount < atlas.config.runs) {
-    uint c = bandFor(height, width);
-    if (c == kTessBands) break;
-    uint count = min(cells - made, (atlas.config.width - atlas.bands[c].x) / width);
-    runs[atlas.runCount] = TessRun(made, packPlace(atlas.bands[c].x, atlas.bands[c].y, 0u));
+    uint r = rectFor(width, height);
+    if (r == kFreeRects) break;
+    TessRun run;
+    uint cut = cutCells(r, cells - made, width, height, run);
+    run.firstCell = made;
+    runs[atlas.runCount] = run;
     ++atlas.runCount;
-    atlas.bands[c].x += count * width;
-    made += count;
+    made += cut;
   }
-  atlas.bandTexels += made * width * height;
+  atlas.cellTexels += made * width * height;
   bins[bin].runCount = atlas.runCount - bins[bin].runFirst;
   bins[bin].given = given;
   bins[bin].provided = min(requested, given + 2u * made);
+  uint rest = requested - bins[bin].provided;
+  if (rest == 0u) return;
+  // Levels go down rather than that a triangle is lost. Smaller bins have their turn later.
+  uint smaller = smallerBin(bin);
+  bins[bin].overflowBin = smaller;
+  if (smaller == kNoBin) return;
+  bins[bin].overflowBase = bins[smaller].requested;
+  bins[smaller].requested += rest;
+  atlas.events.reduced += rest;
 }
 
 void main() {
   uint i = gl_LocalInvocationIndex;
-  for (uint first = 0u; first < atlas.config.bins; first += gl_WorkGroupSize.x) {
-    if (i == 0u) wantingCount = 0u;
-    barrier();
-    uint bin = first + i;
-    wanting[i] = 0u;
-    if (bin < atlas.config.bins) {
-      bins[bin].stackCount = min(bins[bin].stackCount, int(bins[bin].stackCapacity));
-      wanting[i] = bins[bin].requested;
-      if (wanting[i] > 0u) atomicAdd(wantingCount, 1u);
-    }
-    barrier();
-    if (i == 0u && wantingCount > 0u)
-      for (uint k = 0u; k < gl_WorkGroupSize.x; ++k)
-        if (wanting[k] > 0u) provide(first + k);
-    barrier();
-  }
-  if (i == 0u) liveCount = visibleCount;
+  for (uint bin = i; bin < atlas.config.bins; bin += gl_WorkGroupSize.x)
+    bins[bin].stackCount = min(bins[bin].stackCount, int(bins[bin].stackCapacity));
+  memoryBarrierBuffer();
+  barrier();
+  if (i > 0u) return;
+  for (uint bin = atlas.config.bins; bin > 0u; --bin)
+    if (bins[bin - 1u].requested > 0u) provide(bin - 1u);
+  liveCount = visibleCount;
 }

@@ -1,7 +1,7 @@
-// GPU state of the tessellation gatherer's atlas (Hladky 2019): triangles in slots of shared cells, cells side by side in
-// bands. A cell holds two triangles of one bin, the second turned by half a turn. A bin is a size of cell: a level of
+// GPU state of the tessellation gatherer's atlas (Hladky 2019): triangles in slots of shared cells, cells of one size in
+// rectangles that are cut from what is free. A cell holds two triangles of one bin, the second turned by half a turn. A bin is a size of cell: a level of
 // L-packing, or a class of right-angled halves of Oversampling. Triangles of about a pixel own a texel each in the record
-// rows below the bands, and use no memory else.
+// rows below, and use no memory else.
 #ifndef TESSERA_GLSL_SHARED_TESS_ATLAS_H
 #define TESSERA_GLSL_SHARED_TESS_ATLAS_H
 #include "shared/dialect.h"
@@ -62,25 +62,30 @@ struct TessBin {
   uint given;     // requests served by `spare` and the stack this frame
   uint provided;  // requests served in all this frame
   uint live;      // slots that hold a triangle
+  uint overflowBin;   // where the others went: a bin of smaller cells
+  uint overflowBase;  // and the number of the first one there
 };
 
-// Consecutive cells of a bin in a band.
+// New cells of a bin, row by row.
 struct TessRun {
   uint firstCell;  // of the bin's new cells
   uint place;      // of the first one
+  uint columns;
 };
 
-// A band that is being filled. Cells of the heights from 3/4 of a power of 4/3 share one.
-struct TessBand {
+// A rectangle that holds no cell.
+struct FreeRect {
+  uint x;
   uint y;
-  uint height;  // 0: none
-  uint x;       // texels filled
+  uint width;
+  uint height;
 };
-SHARED_CONST uint kTessBands = 24u;
+// More than these are not remembered: the smallest are lost until memory is reset.
+SHARED_CONST uint kFreeRects = 256u;
 
 struct TessConfig {
   uint width;          // texels
-  uint height;         // texels of bands, without the record rows
+  uint height;         // texels, without the record rows
   uint triangles;      // triangle numbers
   uint bins;
   uint runs;           // room for runs
@@ -103,7 +108,8 @@ struct TessIdeal {
 SHARED_CONST uint kTessIdeals = 8u;
 
 struct TessEvents {
-  uint failures;  // triangles that found no memory
+  uint failures;  // triangles that found no memory, and are one texel
+  uint reduced;   // requests that got a smaller slot than asked for
   uint moved;
   uint movedTexels;
   uint freed;
@@ -121,8 +127,8 @@ struct TessAtlasState {
   uint requestGroupsY;
   uint requestGroupsZ;
   uint epoch;  // counts resets; starts at 1
-  uint bandTop;  // rows in bands
-  uint bandTexels;  // of bands, filled by cells
+  uint rectCount;   // free rectangles
+  uint cellTexels;  // of all cells
   uint runCount;
   uint liveTexels;  // of slots that hold a triangle
   uint resets;
@@ -130,7 +136,7 @@ struct TessAtlasState {
   float bias;  // by pressure, of this frame
   PressureState pressure;
   TessEvents events;
-  TessBand bands[kTessBands];
+  FreeRect rects[kFreeRects];
   TessIdeal ideal[kTessIdeals];
 };
 
@@ -165,21 +171,11 @@ SHARED_FN uint tessRecord(TessConfig config, uint triangle) {
   return packPlace(triangle % config.width, config.height + triangle / config.width, 0u);
 }
 
-SHARED_FN uint bandClass(uint height) {
-  uint c = 0u;
-  uint limit = 3u;
-  while (limit < height && c + 1u < kTessBands) {
-    limit += (limit + 2u) / 3u;
-    ++c;
-  }
-  return c;
-}
-
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::TessMeasure) == 16);
 static_assert(sizeof(tessera::glsl::TessState) == 16);
-static_assert(sizeof(tessera::glsl::TessBin) == 48);
+static_assert(sizeof(tessera::glsl::TessBin) == 56);
 static_assert(sizeof(tessera::glsl::TessEntry) == 32);
 static_assert(sizeof(tessera::glsl::TessVertex) == 16);
 #endif

@@ -72,13 +72,28 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   }
   if (const TessAtlas* tess = engine.tess(); tess != nullptr && engine.visibleSet()->frame() > 0) {
     const TessStatistics stats = tess->memory().readStatistics();
+    if (getenv("TDBG")) {
+      const auto s = tess->memory().readState();
+      fmt::print("round {} failed {} runs {}/{} rects {} wanted {}\n", s.round, s.failed, s.runCount, s.config.runs, s.rectCount, s.wantedTexels);
+      int n = 0, bad = 0, fails = 0;
+      const auto bins = tess->memory().readBins();
+      for (size_t i = 0; i < bins.size(); ++i) {
+        const auto& b = bins[i];
+        if (b.requested == 0) continue;
+        ++n;
+        if (b.provided < b.requested) { ++bad; fails += b.requested - b.provided;
+        if (bad < 20) fmt::print("bin {} cell {}x{} req {} given {} prov {} runs {}+{} stack {}\n", i, b.cellWidth, b.cellHeight, b.requested, b.given, b.provided, b.runFirst, b.runCount, b.stackCount); }
+      }
+      fmt::print("{} bins, {} bad, {} fails\n", n, bad, fails);
+    }
     json["visible_triangles"] = stats.visible;
     json["single_texels"] = stats.singles;
     json["samples_allocated"] = stats.samples;
     json["atlas_texels_used"] = stats.liveTexels;
     json["cell_texels"] = stats.cellTexels;
     json["free_texels"] = stats.freeTexels;
-    json["reduced"] = stats.reduced;
+    json["l_samples"] = stats.lSamples;
+    json["slanted_triangles"] = stats.slanted;
     json["out_of_memory"] = stats.failures;
     json["resets"] = stats.resets;
     json["bias"] = stats.bias;
@@ -107,7 +122,11 @@ Result<void> render(const RenderOptions& options) {
   if (!context) return tl::unexpected(context.error());
 
   engineSetup->request = requestOf(options);
-  if (options.method.starts_with("lpack")) engineSetup->gatherer = GathererKind::Tess;
+  if (!options.method.starts_with("rect") && !options.method.starts_with("forward")) {
+    engineSetup->gatherer = GathererKind::Tess;
+    if (options.method.starts_with("lpack")) engineSetup->tess.memory.slanted = 1e30f;
+    if (options.method.starts_with("oversample")) engineSetup->tess.memory.slanted = 1e-6f;
+  }
   engineSetup->timePasses = !options.stats.empty();
   engineSetup->countFragments = !options.stats.empty();
   engineSetup->progress = step;
@@ -171,7 +190,7 @@ Run addRender(CLI::App& app) {
   command.add_option("scene", options->scene, "glTF 2.0 file, .gltf or .glb")->required();
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
   command.add_option("--method", options->method, "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
-      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred"}))
+      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred", "oversample", "tess", "tess-deferred"}))
       ->capture_default_str();
   command
       .add_option("--view", options->view,

@@ -12,7 +12,8 @@ namespace tessera {
 namespace {
 
 // Free slots that a bin remembers; what is freed beyond is lost until memory is reset.
-constexpr std::uint64_t kLongestStack = 16384;
+constexpr std::uint64_t kLongestStack = 16384;      // of Ls
+constexpr std::uint64_t kLongestBlockStack = 256;  // of Oversampling's blocks, which have many more bins
 
 Result<void> checkRange(const char* name, double value, double least, double most) {
   if (value >= least && value <= most) return {};
@@ -33,7 +34,7 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
                 {"target growth", options.targetGrowth, 1, 2},
                 {"quiet frames", static_cast<double>(options.quietFrames), 0, 1e6},
                 {"high-water mark", options.highWater, 1e-6, 1},
-                {"slanted", options.slanted, 1e-6, 1e30}};
+                {"slanted", options.slanted, 1e-7, 1e31}};
   for (const auto& range : ranges)
     if (auto good = checkRange(range.name, range.value, range.least, range.most); !good)
       return tl::unexpected(good.error());
@@ -43,9 +44,8 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
   config.width = static_cast<glsl::uint>(options.width);
   config.height = static_cast<glsl::uint>(options.height);
   config.triangles = triangles;
-  config.bins = glsl::kLargestLevel / 2;
   // A run ends with its bin or uses up a free rectangle's width.
-  config.runs = config.bins + glsl::kFreeRects + config.height;
+  config.runs = glsl::kTessBins + glsl::kFreeRects + config.height;
   config.views = 1;
   config.biased = options.pressureBias ? 1 : 0;
   config.constantBias = options.bias;
@@ -67,17 +67,17 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
 
 /// The bins, smallest cells first.
 std::vector<glsl::TessBin> emptyBins(const glsl::TessConfig& config, std::uint64_t& entries) {
-  std::vector<glsl::TessBin> bins(config.bins);
+  std::vector<glsl::TessBin> bins(glsl::kTessBins);
   entries = 0;
-  for (glsl::uint i = 0; i < config.bins; ++i) {
-    const glsl::uint level = 2 * (i + 1);
+  for (glsl::uint i = 0; i < glsl::kTessBins; ++i) {
     glsl::TessBin& bin = bins[i];
-    bin.cellWidth = glsl::lCellWidth(level);
-    bin.cellHeight = glsl::lCellHeight(level);
+    const glsl::uvec2 cell = glsl::cellOfBin(i);
+    bin.cellWidth = cell.x;
+    bin.cellHeight = cell.y;
     const std::uint64_t slots =
         std::uint64_t{2} * config.width * config.height / (std::uint64_t{bin.cellWidth} * bin.cellHeight);
     bin.stackBase = static_cast<glsl::uint>(entries);
-    bin.stackCapacity = static_cast<glsl::uint>(std::clamp<std::uint64_t>(slots, 1, kLongestStack));
+    bin.stackCapacity = static_cast<glsl::uint>(std::clamp<std::uint64_t>(slots, 1, i < glsl::kLargestLevel ? kLongestStack : kLongestBlockStack));
     bin.spare = glsl::kNoPlace;
     entries += bin.stackCapacity;
   }
@@ -159,18 +159,22 @@ void TessMemory::measure(const gl::Buffer& dispatch, std::uint32_t viewCount, co
 void TessMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
   bindPhases();
   betweenPhases();
-  plan_->use();
-  plan_->set(LOCATION_COUNT, (resetAsked_ ? 1u : 0u) | (resetHeld_ ? 2u : 0u));
+  const glsl::uint asked = (resetAsked_ ? 1u : 0u) | (resetHeld_ ? 2u : 0u);
   resetAsked_ = resetAsked_ && resetHeld_;
-  gl::api().DispatchCompute(1, 1, 1);
-  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-  request_->use();
-  request_->set(LOCATION_FRAME, frame);
-  dispatchIndirect(state_, offsetof(glsl::TessAtlasState, requestGroupsX));
-  betweenPhases();
-  provision_->use();
-  gl::api().DispatchCompute(1, 1, 1);
-  betweenPhases();
+  for (glsl::uint round = 0; round < glsl::kTessRounds; ++round) {
+    plan_->use();
+    plan_->set(LOCATION_COUNT, asked);
+    plan_->set(LOCATION_FRAME, round);
+    gl::api().DispatchCompute(1, 1, 1);
+    gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    request_->use();
+    request_->set(LOCATION_FRAME, frame);
+    dispatchIndirect(state_, offsetof(glsl::TessAtlasState, requestGroupsX));
+    betweenPhases();
+    provision_->use();
+    gl::api().DispatchCompute(1, 1, 1);
+    betweenPhases();
+  }
   assign_->use();
   dispatchIndirect(dispatch, 0);
 }
@@ -196,7 +200,7 @@ std::vector<glsl::TessState> TessMemory::readStates() const {
 
 std::vector<glsl::TessBin> TessMemory::readBins() const {
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  return bins_.readAll<glsl::TessBin>(config_.bins);
+  return bins_.readAll<glsl::TessBin>(glsl::kTessBins);
 }
 
 TessStatistics TessMemory::readStatistics() const {
@@ -205,7 +209,8 @@ TessStatistics TessMemory::readStatistics() const {
   statistics.visible = live_.readAll<glsl::uint>(1)[0];
   statistics.singles = state.events.singles;
   statistics.samples = state.events.samples;
-  statistics.lTexels = state.events.lTexels;
+  statistics.lSamples = state.events.lSamples;
+  statistics.slanted = state.events.slanted;
   statistics.liveTexels = state.liveTexels;
   statistics.cellTexels = state.cellTexels;
   for (glsl::uint i = 0; i < state.rectCount; ++i)
@@ -214,7 +219,6 @@ TessStatistics TessMemory::readStatistics() const {
   statistics.movedTexels = state.events.movedTexels;
   statistics.freed = state.events.freed;
   statistics.failures = state.events.failures;
-  statistics.reduced = state.events.reduced;
   statistics.resets = state.resets;
   statistics.frames = state.frames;
   statistics.bias = state.config.constantBias + state.bias;

@@ -31,7 +31,8 @@ struct TessStatistics {
   std::uint32_t visible = 0;  // triangles
   std::uint32_t singles = 0;  // of one texel, failures included
   std::uint64_t samples = 0;  // texels to shade
-  std::uint64_t lTexels = 0;  // of them in Ls
+  std::uint64_t lSamples = 0;  // of them in Ls
+  std::uint32_t slanted = 0;   // triangles with Oversampling
   std::uint64_t liveTexels = 0;  // of slots that hold a triangle, visible or not
   std::uint64_t cellTexels = 0;  // of all cells
   std::uint64_t freeTexels = 0;  // of rectangles without cells
@@ -39,7 +40,6 @@ struct TessStatistics {
   std::uint64_t movedTexels = 0;
   std::uint32_t freed = 0;
   std::uint32_t failures = 0;  // triangles that found no memory
-  std::uint32_t reduced = 0;   // requests that got a smaller slot
   std::uint32_t resets = 0;    // since creation
   std::uint32_t frames = 0;    // since creation
   float bias = 0.0f;           // constant and pressure bias together, log2 of area

@@ -1,9 +1,20 @@
-// Where a triangle's slot has a place in even coordinates: atlas texels, centres at .5.
-vec2 slotTexel(uint shape, uint place, vec3 even) {
-  vec2 origin = vec2(float(placeX(place)), float(placeY(place)));
-  if (kindOf(shape) != kTessL) return origin + 0.5;
-  uint level = levelOfShape(shape);
-  vec2 at = lDecode(level, even) + 0.5;
-  if (placeTurned(place) != 0u) at = vec2(float(lCellWidth(level)), float(lCellHeight(level))) - at;
-  return origin + at;
+// Where a triangle's samples have a place in even coordinates: atlas texels, centres at .5.
+vec2 atlasOfEven(TessShape shape, uint place0, uint place1, vec3 even) {
+  uint kind = kindOf(shape.kind);
+  if (kind == kTessL) {
+    uint level = levelOfKind(shape.kind);
+    return lAtlasAt(lDecodeExact(even, level), uvec2(placeX(place0), placeY(place0)), level, placeTurned(place0) != 0u);
+  }
+  if (kind == kTessOver) {
+    OverShape over = overOfShape(shape);
+    OverPoint point = overDecode(even, over);
+    uint place = point.side == 0u ? place0 : place1;
+    vec2 at = point.at + 0.5;
+    if (placeTurned(place) != 0u) {
+      uvec2 cell = overPairSize(overColumns(over, point.side), over.rows);
+      at = vec2(float(cell.x), float(cell.y)) - at;
+    }
+    return vec2(float(placeX(place)), float(placeY(place))) + at;
+  }
+  return vec2(float(placeX(place0)), float(placeY(place0))) + 0.5;
 }

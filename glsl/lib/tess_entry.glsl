@@ -16,5 +16,5 @@ vec2 atlasTexel(uint id, vec3 ray) {
   vec3 even = rayBarycentrics(ray, seenCorner(a), seenCorner(b), seenCorner(c)) * vec3(a.w, b.w, c.w);
   even = max(even, vec3(0.0));
   even /= max(even.x + even.y + even.z, 1e-30);
-  return slotTexel(entries[entry].shape, entries[entry].place, even);
+  return atlasOfEven(entries[entry].shape, entries[entry].place0, entries[entry].place1, even);
 }

@@ -25,18 +25,32 @@ layout(std430, binding = BIND_COLORS) readonly buffer Colors { vec4 colors[]; };
 vec3 normalOf(uint v) { return vec3(normals[3u * v], normals[3u * v + 1u], normals[3u * v + 2u]); }
 vec3 cornerOf(TessVertex v) { return vec3(v.x, v.y, v.z); }
 
-// A place on a triangle in even coordinates, and how far apart its samples are along each edge.
+// A sample: where it lies in even coordinates, and the steps to the samples next to it.
 struct Place {
   vec3 even;
-  float between;
+  vec3 steps[3];
 };
 
-Place placeOf(uint shape, uint place, uvec2 texel) {
-  if (kindOf(shape) != kTessL) return Place(vec3(1.0 / 3.0), 1.0);
-  uint level = levelOfShape(shape);
-  uvec2 at = texel - uvec2(placeX(place), placeY(place));
-  if (placeTurned(place) != 0u) at = uvec2(lCellWidth(level) - 1u, lCellHeight(level) - 1u) - at;
-  return Place(lCoordinates(level, at.x, at.y), 1.0 / float(level));
+Place singlePlace() { return Place(vec3(1.0 / 3.0), vec3[3](vec3(-1.0, 1.0, 0.0), vec3(0.0, -1.0, 1.0), vec3(1.0, 0.0, -1.0))); }
+
+Place lPlace(uint level, TessPlace place) {
+  float between = 1.0 / float(level);
+  return Place(tessBary(place, tessUniform(level)),
+               vec3[3](vec3(-between, between, 0.0), vec3(0.0, -between, between), vec3(between, 0.0, -between)));
+}
+
+Place overPlace(OverShape shape, OverCell cell) {
+  Place sampled;
+  sampled.even = overEven(cell, shape);
+  OverCell right = cell;
+  right.at.x += 1u;
+  OverCell above = cell;
+  above.at.y += 1u;
+  sampled.steps[0] = overEven(right, shape) - sampled.even;
+  // A flat triangle has one row, as high as the triangle.
+  sampled.steps[1] = shape.rows > 1u ? overEven(above, shape) - sampled.even : vec3(0.0);
+  sampled.steps[2] = vec3(0.0);
+  return sampled;
 }
 
 // How surface coordinates b change with a step of even ones.
@@ -46,14 +60,13 @@ vec3 surfaceStep(vec3 b, vec3 even, vec3 w, vec3 evenStep) {
   return (q - b * (q.x + q.y + q.z)) / (whole.x + whole.y + whole.z);
 }
 
-vec4 shadeTexel(uint entry, uvec2 texel) {
+vec4 shadePlace(uint entry, Place at) {
   TessEntry e = entries[entry];
   TessVertex c0 = drawVertices[3u * entry];
   TessVertex c1 = drawVertices[3u * entry + 1u];
   TessVertex c2 = drawVertices[3u * entry + 2u];
   vec3 w = vec3(c0.w, c1.w, c2.w);
-  Place at = placeOf(e.shape, e.place, texel);
-  vec3 b = surfaceOfEven(at.even, w);
+  vec3 b = surfaceFromEvenOutside(at.even, w);
   InstanceGpu instance = instances[e.instance];
 
   Surface s;
@@ -61,9 +74,11 @@ vec4 shadeTexel(uint entry, uvec2 texel) {
   s.normal =
       transformNormal(instance, b.x * normalOf(e.vertex0) + b.y * normalOf(e.vertex1) + b.z * normalOf(e.vertex2));
 #if defined(USES_UV0) || defined(USES_UV1)
-  mat3 steps = mat3(surfaceStep(b, at.even, w, vec3(-at.between, at.between, 0.0)),
-                    surfaceStep(b, at.even, w, vec3(0.0, -at.between, at.between)),
-                    surfaceStep(b, at.even, w, vec3(at.between, 0.0, -at.between)));
+  // Inside of the triangle: what is extrapolated has the detail of where it leaves.
+  vec3 inside = clampedBary(at.even);
+  vec3 insideB = surfaceFromEven(inside, w);
+  mat3 steps = mat3(surfaceStep(insideB, inside, w, at.steps[0]), surfaceStep(insideB, inside, w, at.steps[1]),
+                    surfaceStep(insideB, inside, w, at.steps[2]));
 #endif
 #ifdef NORMAL_TEX
   vec4 tangent = b.x * tangents[e.vertex0] + b.y * tangents[e.vertex1] + b.z * tangents[e.vertex2];

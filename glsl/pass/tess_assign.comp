@@ -11,55 +11,36 @@ uint slotOf(uint bin, uint number) {
     uint back = number - (hasSpare ? 1u : 0u);
     return stackEntries[bins[bin].stackBase + uint(bins[bin].stackCount) - 1u - back];
   }
-  uint slot = number - bins[bin].given;
-  uint cell = slot / 2u;
-  uint low = bins[bin].runFirst;
-  uint high = low + bins[bin].runCount;
-  while (high - low > 1u) {
-    uint middle = (low + high) / 2u;
-    if (runs[middle].firstCell <= cell) {
-      low = middle;
-    } else {
-      high = middle;
-    }
-  }
-  TessRun run = runs[low];
-  cell -= run.firstCell;
-  return packPlace(placeX(run.place) + cell % run.columns * bins[bin].cellWidth,
-                   placeY(run.place) + cell / run.columns * bins[bin].cellHeight, slot & 1u);
+  return placeInRuns(bin, number - bins[bin].given);
 }
+
+bool served(uint bin, uint number) { return bin == kNoBin || number < bins[bin].provided; }
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
+  if (i == 0u) liveCount = visibleCount;
   uint triangle = visibleIds[i];
   TessState state = states[triangle];
   if (state.pending != 0u) {
-    uint bin = binOfShape(state.shape);
-    uint number = state.place;
-    while (bin != kNoBin && number >= bins[bin].provided) {
-      number = number - bins[bin].provided + bins[bin].overflowBase;
-      bin = bins[bin].overflowBin;
-    }
-    state.pending = 0u;
-    if (bin != kNoBin) {
-      state.shape = shapeOfBin(bin);
-      state.place = slotOf(bin, number);
-      atomicAdd(bins[bin].live, 1u);
+    uvec2 wanted = binsOf(state.shape);
+    if (served(wanted.x, state.place0) && served(wanted.y, state.place1)) {
+      if (wanted.x != kNoBin) state.place0 = slotOf(wanted.x, state.place0);
+      if (wanted.y != kNoBin) state.place1 = slotOf(wanted.y, state.place1);
       atomicAdd(atlas.liveTexels, texelsOfShape(state.shape));
     } else {
+      // A half that was served is lost until memory is reset, as the failure asks for.
       atomicAdd(atlas.events.failures, 1u);
-      state.shape = kTessSingle;
-      state.place = tessRecord(atlas.config, triangle);
+      state.shape.kind = kTessSingle;
+      state.place0 = tessRecord(atlas.config, triangle);
     }
+    state.pending = 0u;
     states[triangle] = state;
   }
-  if (kindOf(state.shape) == kTessSingle) {
-    atomicAdd(atlas.events.singles, 1u);
-    atomicAdd(atlas.events.samples, 1u);
-  } else {
-    uint texels = texelsOfShape(state.shape);
-    atomicAdd(atlas.events.samples, texels);
-    atomicAdd(atlas.events.lTexels, texels);
-  }
+  uint texels = texelsOfShape(state.shape);
+  atomicAdd(atlas.events.samples, texels);
+  uint kind = kindOf(state.shape.kind);
+  if (kind == kTessSingle) atomicAdd(atlas.events.singles, 1u);
+  if (kind == kTessL) atomicAdd(atlas.events.lSamples, texels);
+  if (kind == kTessOver) atomicAdd(atlas.events.slanted, 1u);
 }

@@ -9,7 +9,8 @@
 layout(binding = UNIT_ATLAS) uniform sampler2D uAtlas;
 layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;  // 1 / size of the atlas texture
 layout(location = 2) in vec3 vWeighted;
-layout(location = 3) flat in uvec2 vSlot;
+layout(location = 3) flat in uvec3 vShape;
+layout(location = 4) flat in uvec2 vPlaces;
 layout(location = 0) out vec4 oColor;
 
 void main() {
@@ -19,5 +20,5 @@ void main() {
   // A fragment's centre lies in the triangle but for rounding.
   vec3 even = max(vWeighted, vec3(0.0));
   even /= max(even.x + even.y + even.z, 1e-30);
-  oColor = vec4(textureLod(uAtlas, slotTexel(vSlot.x, vSlot.y, even) * uTexelToUv, 0.0).rgb, 1.0);
+  oColor = vec4(textureLod(uAtlas, atlasOfEven(TessShape(vShape.x, vShape.y, vShape.z), vPlaces.x, vPlaces.y, even) * uTexelToUv, 0.0).rgb, 1.0);
 }

@@ -22,7 +22,8 @@ layout(std430, binding = BIND_COLORS) readonly buffer Colors { vec4 colors[]; };
 
 layout(location = 0) in vec4 aCorner;  // world, relative to the anchor; weight
 layout(location = 2) out vec3 vWeighted;  // of each corner: interpolated with perspective, proportional to even coordinates
-layout(location = 3) flat out uvec2 vSlot;  // shape, place
+layout(location = 3) flat out uvec3 vShape;
+layout(location = 4) flat out uvec2 vPlaces;
 
 invariant gl_Position;
 
@@ -31,7 +32,8 @@ void main() {
   uint corner = uint(gl_VertexID) % 3u;
   vWeighted = vec3(corner == 0u ? aCorner.w : 0.0, corner == 1u ? aCorner.w : 0.0, corner == 2u ? aCorner.w : 0.0);
   TessEntry e = entries[uint(gl_VertexID) / 3u];
-  vSlot = uvec2(e.shape, e.place);
+  vShape = uvec3(e.shape.kind, e.shape.size, e.shape.form);
+  vPlaces = uvec2(e.place0, e.place1);
 #ifdef MASK
   uint v = corner == 0u ? e.vertex0 : (corner == 1u ? e.vertex1 : e.vertex2);
 #ifdef BASE_TEX

@@ -2,7 +2,7 @@
 // corners, binned by batch so that a batch is one draw.
 #include "shared/scene.h"
 #include "shared/blocks.h"
-#include "shared/perspective_map.h"
+#include "shared/tess_measure.h"
 #include "shared/bindings.h"
 #include "shared/tess_atlas.h"
 #include "lib/triangle.glsl"
@@ -28,13 +28,13 @@ void main() {
   uint entry = batches[batch].firstEntry + atomicAdd(commands[batch].count, 3u) / 3u;
   atomicAdd(commands[uBatches + batch].count, 12u);
   entryOfTriangle[number] = entry;
-  entries[entry] = TessEntry(state.shape, state.place, triangle.vertex0, triangle.vertex1, triangle.vertex2,
-                             triangle.instance, 0u, 0u);
+  entries[entry] = TessEntry(state.shape, state.place0, state.place1, triangle.vertex0, triangle.vertex1,
+                             triangle.vertex2, triangle.instance, 0u, 0u, 0u);
   vec3 p0 = worldCorner(triangle, triangle.vertex0);
   vec3 p1 = worldCorner(triangle, triangle.vertex1);
   vec3 p2 = worldCorner(triangle, triangle.vertex2);
   vec3 at = views[0].eye.xyz;
-  vec3 w = perspectiveWeights(p0 - at, p1 - at, p2 - at);
+  vec3 w = depthWeights(p0 - at, p1 - at, p2 - at);
   drawVertices[3u * entry] = TessVertex(p0.x, p0.y, p0.z, w.x);
   drawVertices[3u * entry + 1u] = TessVertex(p1.x, p1.y, p1.z, w.y);
   drawVertices[3u * entry + 2u] = TessVertex(p2.x, p2.y, p2.z, w.z);

@@ -32,8 +32,11 @@ TessMeasure seenFrom(uint view, vec3 v0, vec3 v1, vec3 v2) {
 #ifdef LENS
   density += logLens(densities[view], cone);
 #endif
-  seen.longest *= exp2(0.5 * density);
-  seen.height *= exp2(0.5 * density);
+  float scale = exp2(0.5 * density);
+  seen.edge0 *= scale;
+  seen.edge1 *= scale;
+  seen.edge2 *= scale;
+  seen.height *= scale;
 #endif
   return seen;
 }
@@ -50,10 +53,10 @@ void main() {
   uint viewCount = atlas.config.views;
   for (uint view = 1u; view < viewCount; ++view) {
     TessMeasure seen = seenFrom(view, v0, v1, v2);
-    if (seen.longest > best.longest) best = seen;
+    if (longestOf(seen) > longestOf(best)) best = seen;
   }
   measures[i] = best;
-  uint texels = idealSamples(best, atlas.config.constantBias, atlas.config.slanted);
+  uint texels = texelsOfShape(shapeAt(best, exp2(-0.5 * atlas.config.constantBias), atlas.config.slanted));
   uint part = gl_WorkGroupID.x % kTessIdeals;
   if (texels <= 1u) {
     atomicAdd(atlas.ideal[part].singles, 1u);

@@ -1,64 +1,78 @@
 // A thread a triangle that is visible or was in the last frame. Slots that are no longer needed are given back; triangles
-// that need one draw a number. Nothing is taken here.
-#include "shared/levels.h"
+// that need some draw a number for each. Nothing is taken here.
 #include "lib/tess_state.glsl"
-#include "shared/tess_measure.h"
 
 layout(local_size_x = TESS_GROUP) in;
 layout(location = LOCATION_FRAME) uniform uint uFrame;
 
-void giveBack(uint shape, uint place) {
-  if (kindOf(shape) == kTessSingle) return;
-  uint bin = binOfShape(shape);
-  uint texels = texelsOfShape(shape);
-  atomicAdd(bins[bin].live, -1u);
-  atomicAdd(atlas.liveTexels, -texels);
+void giveBack(uint bin, uint place) {
+  if (bin == kNoBin) return;
   uint at = uint(atomicAdd(bins[bin].stackCount, 1));
   if (at < bins[bin].stackCapacity) {
     stackEntries[bins[bin].stackBase + at] = place;
   } else {
     // No room to remember it: lost until memory is reset. provision cuts the count.
     atomicAdd(atlas.events.lost, 1u);
-    atomicAdd(atlas.events.lostTexels, texels);
+    atomicAdd(atlas.events.lostTexels, bins[bin].cellWidth * bins[bin].cellHeight / 2u);
   }
+}
+
+void giveBackAll(TessState state) {
+  uvec2 held = binsOf(state.shape);
+  giveBack(held.x, state.place0);
+  giveBack(held.y, state.place1);
+  atomicAdd(atlas.liveTexels, -texelsOfShape(state.shape));
 }
 
 void release(uint triangle) {
   if (marks[triangle] == uFrame) return;  // still visible: its own thread decides
   if (states[triangle].epoch != atlas.epoch) return;
-  if (kindOf(states[triangle].shape) != kTessSingle) {
-    giveBack(states[triangle].shape, states[triangle].place);
+  if (kindOf(states[triangle].shape.kind) != kTessSingle) {
+    giveBackAll(states[triangle]);
     atomicAdd(atlas.events.freed, 1u);
   }
   states[triangle].epoch = 0u;
 }
 
+bool sameSize(TessShape a, TessShape b) { return a.kind == b.kind && a.size == b.size && a.form >> 16u == b.form >> 16u; }
+
 void request(uint triangle, TessMeasure measure) {
   TessState state = states[triangle];
   bool known = state.epoch == atlas.epoch;
-  uint shape = selectShape(measure, atlas.config.constantBias + atlas.bias, known ? state.shape : kTessNone,
-                           known ? atlas.config.hysteresis : -1.0);
-  if (known && shape == state.shape && state.place != kNoPlace) return;
-  bool held = known && kindOf(state.shape) != kTessSingle && state.place != kNoPlace;
-  if (held) giveBack(state.shape, state.place);
-  if (kindOf(shape) == kTessSingle) {
-    states[triangle] = TessState(shape, tessRecord(atlas.config, triangle), 0u, atlas.epoch);
+  TessShape shape = selectShape(measure, atlas.config.constantBias + atlas.bias, atlas.config.slanted, state.shape,
+                                known ? atlas.config.hysteresis : -1.0);
+  if (known && sameSize(shape, state.shape)) {
+    if (shape.form != state.shape.form) states[triangle].shape.form = shape.form;  // the same blocks, another foot
     return;
   }
+  bool held = known && kindOf(state.shape.kind) != kTessSingle;
   if (held) {
+    giveBackAll(state);
     atomicAdd(atlas.events.moved, 1u);
     atomicAdd(atlas.events.movedTexels, texelsOfShape(shape));
   }
-  uint number = atomicAdd(bins[binOfShape(shape)].requested, 1u);
-  states[triangle] = TessState(shape, number, 1u, atlas.epoch);
+  state.shape = shape;
+  state.epoch = atlas.epoch;
+  state.pending = 0u;
+  uvec2 wanted = binsOf(shape);
+  if (kindOf(shape.kind) == kTessSingle) state.place0 = tessRecord(atlas.config, triangle);
+  if (wanted.x != kNoBin) {
+    state.place0 = atomicAdd(bins[wanted.x].requested, 1u);
+    state.pending |= 1u;
+  }
+  if (wanted.y != kNoBin) {
+    state.place1 = atomicAdd(bins[wanted.y].requested, 1u);
+    state.pending |= 2u;
+  }
+  states[triangle] = state;
 }
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
-  if (i < liveCount) release(liveIds[i]);
+  if (atlas.round == 0u && i < liveCount) release(liveIds[i]);
   if (i < visibleCount) {
     uint triangle = visibleIds[i];
     request(triangle, measures[i]);
-    liveIds[i] = triangle;  // for the next frame; nobody else reads place i. provision sets the count
+    liveIds[i] = triangle;  // for the next frame; nobody else reads place i. assign sets the count
   }
 }

@@ -6,6 +6,7 @@
 #define TESSERA_GLSL_SHARED_TESS_ATLAS_H
 #include "shared/dialect.h"
 #include "shared/lpack.h"
+#include "shared/oversample.h"
 #include "shared/pressure.h"
 TESSERA_SHARED_BEGIN
 
@@ -18,29 +19,57 @@ SHARED_FN uint triangleNumber(uint patchInstance, uint part) { return 4u * patch
 
 SHARED_CONST uint kTessNone = 0u;
 SHARED_CONST uint kTessSingle = 1u;  // one texel
-SHARED_CONST uint kTessL = 2u;       // L-packing
+SHARED_CONST uint kTessL = 2u;       // L-packing; the level in the bits above
+SHARED_CONST uint kTessOver = 3u;    // Oversampling
 SHARED_CONST uint kTessKind = 3u;    // mask
 
 // What a triangle's size is chosen from: lengths in pixels on a curved image plane, before any bias. 16 bytes, one a
 // visible triangle.
 struct TessMeasure {
-  float longest;  // the longest edge; 0 where the triangle has no place in the picture
-  float height;   // over that edge
-  float foot;     // where the height meets that edge, 0 at its start to 1 at its end
-  uint edge;      // which one: 0 from vertex 0 to 1, 1 from 1 to 2, 2 from 2 to 0
+  float edge0;  // opposite of corner 0
+  float edge1;
+  float edge2;
+  float height;  // over the longest
+};
+
+// How a triangle is sampled.
+struct TessShape {
+  uint kind;  // kTess...
+  uint size;  // Oversampling: columns of its halves, and the apex, see packOver
+  uint form;  // Oversampling: foot and rows
 };
 
 // Where a triangle lives. Kept from frame to frame.
 struct TessState {
-  uint shape;  // kTess..., then what sizeOf... says
-  uint place;  // see packPlace; inside a frame the number of the request while pending is set
-  uint pending;
-  uint epoch;  // that of the atlas when this was written: an older one holds nothing
+  TessShape shape;
+  uint place0;   // see packPlace; of the L, or of half 0
+  uint place1;   // of half 1
+  uint pending;  // bit 0, 1: the place is the number of a request
+  uint epoch;    // that of the atlas when this was written: an older one holds nothing
+  uint unused0;
 };
 
-SHARED_FN uint kindOf(uint shape) { return shape & kTessKind; }
-SHARED_FN uint shapeOfL(uint level) { return kTessL | (level << 2u); }
-SHARED_FN uint levelOfShape(uint shape) { return (shape >> 2u) & 1023u; }
+SHARED_FN uint kindOf(uint kind) { return kind & kTessKind; }
+SHARED_FN uint kindOfL(uint level) { return kTessL | (level << 2u); }
+SHARED_FN uint levelOfKind(uint kind) { return kind >> 2u; }
+SHARED_CONST uint kLargestLevel = 254u;
+
+SHARED_FN TessShape shapeOfOver(OverShape over) {
+  TessShape shape;
+  shape.kind = kTessOver;
+  shape.size = over.columns0 | (over.columns1 << 12u) | (over.apex << 26u);
+  shape.form = over.foot | (over.rows << 16u);
+  return shape;
+}
+SHARED_FN OverShape overOfShape(TessShape shape) {
+  OverShape over;
+  over.columns0 = shape.size & 4095u;
+  over.columns1 = (shape.size >> 12u) & 4095u;
+  over.apex = min((shape.size >> 26u) & 3u, 2u);
+  over.foot = shape.form & 0xffffu;
+  over.rows = shape.form >> 16u;
+  return over;
+}
 
 // A slot: the first texel of its cell, and whether it is the turned one.
 SHARED_FN uint packPlace(uint x, uint y, uint turned) { return x | (turned << 15u) | (y << 16u); }
@@ -61,9 +90,6 @@ struct TessBin {
   uint runCount;
   uint given;     // requests served by `spare` and the stack this frame
   uint provided;  // requests served in all this frame
-  uint live;      // slots that hold a triangle
-  uint overflowBin;   // where the others went: a bin of smaller cells
-  uint overflowBase;  // and the number of the first one there
 };
 
 // New cells of a bin, row by row.
@@ -80,6 +106,19 @@ struct FreeRect {
   uint width;
   uint height;
 };
+// Bins: a level of L-packing each, then a size of Oversampling's blocks each.
+SHARED_CONST uint kTessBins = kLargestLevel + kOverBins;
+SHARED_FN uint binOfLevel(uint level) { return level - 1u; }
+SHARED_FN uint binOfBlock(uint columns, uint rows) { return kLargestLevel + overBin(columns, rows); }
+// Size of the cells of a bin.
+SHARED_FN uvec2 cellOfBin(uint bin) {
+  if (bin < kLargestLevel) return lPairSize(bin + 1u);
+  uvec2 block = overBinBlock(bin - kLargestLevel);
+  return overPairSize(block.x, block.y);
+}
+// How often a frame tries to find memory: as it is, after a reset, and with coarser levels.
+SHARED_CONST uint kTessRounds = 4u;
+
 // More than these are not remembered: the smallest are lost until memory is reset.
 SHARED_CONST uint kFreeRects = 256u;
 
@@ -87,7 +126,6 @@ struct TessConfig {
   uint width;          // texels
   uint height;         // texels, without the record rows
   uint triangles;      // triangle numbers
-  uint bins;
   uint runs;           // room for runs
   uint views;          // of the measuring pass
   uint biased;         // 1: the bias follows from memory pressure
@@ -109,7 +147,6 @@ SHARED_CONST uint kTessIdeals = 8u;
 
 struct TessEvents {
   uint failures;  // triangles that found no memory, and are one texel
-  uint reduced;   // requests that got a smaller slot than asked for
   uint moved;
   uint movedTexels;
   uint freed;
@@ -118,7 +155,8 @@ struct TessEvents {
   uint singles;   // visible triangles of one texel, failures included
   uint slanted;   // visible triangles past the threshold
   uint samples;   // texels to shade
-  uint lTexels;   // of them in Ls
+  uint lSamples;  // of them in Ls
+  uint outside;   // of them Oversampling's, outside of their triangle
 };
 
 struct TessAtlasState {
@@ -133,6 +171,9 @@ struct TessAtlasState {
   uint liveTexels;  // of slots that hold a triangle
   uint resets;
   uint frames;
+  uint round;   // of this frame's tries to find memory
+  uint failed;  // requests of this round that found none
+  uint wantedTexels;  // of the cells that this round's new requests need
   float bias;  // by pressure, of this frame
   PressureState pressure;
   TessEvents events;
@@ -142,14 +183,16 @@ struct TessAtlasState {
 
 // What shading and display read of a visible triangle.
 struct TessEntry {
-  uint shape;
-  uint place;
+  TessShape shape;
+  uint place0;
+  uint place1;
   uint vertex0;  // indices into the scene's vertices, counter-clockwise in the world
   uint vertex1;
   uint vertex2;
   uint instance;
   uint unused0;
   uint unused1;
+  uint unused2;
 };
 
 // A corner of one: all that display needs of it. `w` is its weight for perspective, see perspective_map.h.
@@ -174,9 +217,9 @@ SHARED_FN uint tessRecord(TessConfig config, uint triangle) {
 TESSERA_SHARED_END
 #ifdef __cplusplus
 static_assert(sizeof(tessera::glsl::TessMeasure) == 16);
-static_assert(sizeof(tessera::glsl::TessState) == 16);
-static_assert(sizeof(tessera::glsl::TessBin) == 56);
-static_assert(sizeof(tessera::glsl::TessEntry) == 32);
+static_assert(sizeof(tessera::glsl::TessState) == 32);
+static_assert(sizeof(tessera::glsl::TessBin) == 44);
+static_assert(sizeof(tessera::glsl::TessEntry) == 48);
 static_assert(sizeof(tessera::glsl::TessVertex) == 16);
 #endif
 #endif

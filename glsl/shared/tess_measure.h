@@ -1,72 +1,113 @@
-// How many samples a triangle gets: what its size in the picture is, and which shape of its slot follows. Every function
-// is total: any float, NaN and infinity included, gives a valid shape.
+// How large a triangle is in the picture, and how it is therefore sampled. Every function is total: any float, NaN and
+// infinity included, gives a valid shape.
 #ifndef TESSERA_GLSL_SHARED_TESS_MEASURE_H
 #define TESSERA_GLSL_SHARED_TESS_MEASURE_H
 #include "shared/dialect.h"
 #include "shared/levels.h"
 #include "shared/tess_atlas.h"
 TESSERA_SHARED_BEGIN
+#ifdef __cplusplus
+using glm::ceil;
+#endif
 
-SHARED_CONST float kLongestEdge = 4096.0;   // pixels; what a triangle around the eye is cut to
-SHARED_CONST float kSingleLength = 1.0;     // pixels; up to this one texel is enough
-SHARED_CONST float kFlattest = 1.0e-6;      // of the longest edge: the height that a flat triangle counts as
+SHARED_CONST float kSingleLength = 1.0;  // pixels; up to this one texel is enough
+SHARED_CONST float kFlattest = 1.0e-6;   // of the longest edge: the height that a flat triangle counts as
+// Texels that a block of Oversampling may be wide and high: what is larger is sampled more coarsely.
+SHARED_CONST float kOverWidest = 1000.0;
+SHARED_CONST float kOverHighest = 127.0;
 
 // Lengths are angles times pixels per radian, so they do not depend on where the camera looks, and a triangle that
 // reaches behind it has one. Corners are relative to the eye.
 SHARED_FN TessMeasure measureTriangle(vec3 v0, vec3 v1, vec3 v2, float pixelsPerRadian) {
-  float e0 = angleBetween(v0, v1) * pixelsPerRadian;
-  float e1 = angleBetween(v1, v2) * pixelsPerRadian;
-  float e2 = angleBetween(v2, v0) * pixelsPerRadian;
   TessMeasure measure;
-  measure.edge = e0 >= e1 && e0 >= e2 ? 0u : (e1 >= e2 ? 1u : 2u);
-  float longest = max(e0, max(e1, e2));
-  float before = measure.edge == 0u ? e2 : (measure.edge == 1u ? e0 : e1);
-  float after = measure.edge == 0u ? e1 : (measure.edge == 1u ? e2 : e0);
+  measure.edge0 = angleBetween(v1, v2) * pixelsPerRadian;
+  measure.edge1 = angleBetween(v2, v0) * pixelsPerRadian;
+  measure.edge2 = angleBetween(v0, v1) * pixelsPerRadian;
+  float longest = max(measure.edge0, max(measure.edge1, measure.edge2));
   float reach = dot(abs(v0) + abs(v1) + abs(v2), vec3(kLevelOne));
-  if (!isFiniteNumber(reach) || reach > kFarthestCorner || !isFiniteNumber(longest)) longest = kLevelZero;
-  float cut = longest > kLongestEdge ? kLongestEdge / longest : kLevelOne;
-  measure.longest = longest * cut;
-  measure.height = kLevelZero;
-  measure.foot = kLevelHalf;
-  if (longest > kLevelZero) {
-    float twice = kLevelOne + kLevelOne;
-    measure.height = twice * triangleArea(longest, before, after) / longest * cut;
-    // By the law of cosines; the two other edges differ by at most the longest.
-    float side = (before - after) / longest * ((before + after) / longest);
-    measure.foot = clamp(kLevelHalf * (kLevelOne + side), kLevelZero, kLevelOne);
+  if (!isFiniteNumber(reach) || reach > kFarthestCorner || !isFiniteNumber(longest) || !(longest > kLevelZero)) {
+    measure.edge0 = kLevelZero;
+    measure.edge1 = kLevelZero;
+    measure.edge2 = kLevelZero;
+    measure.height = kLevelZero;
+    return measure;
   }
+  float area = triangleArea(measure.edge0 / longest, measure.edge1 / longest, measure.edge2 / longest);
+  measure.height = (area + area) * longest;
   return measure;
 }
 
+// Depths of the corners for a camera that looks at the triangle from the eye: even samples are even on its screen, whatever
+// the view's own direction is. What would lie behind it, or too near its plane, is moved to where the ratio to the
+// farthest is at most this.
+SHARED_CONST float kLeastDepth = 1.0e-4;
+SHARED_FN vec3 depthWeights(vec3 v0, vec3 v1, vec3 v2) {
+  vec3 axis = v0 + v1 + v2;
+  vec3 depth = vec3(dot(v0, axis), dot(v1, axis), dot(v2, axis));
+  float farthest = max(depth.x, max(depth.y, depth.z));
+  if (!isFiniteNumber(farthest) || !(farthest > kSmallestArea)) return vec3(kLevelOne);
+  return perspectiveWeights(max(depth / farthest, vec3(kLeastDepth)));
+}
+
+SHARED_FN float longestOf(TessMeasure measure) { return max(measure.edge0, max(measure.edge1, measure.edge2)); }
+
 SHARED_FN bool isSlanted(TessMeasure measure, float threshold) {
-  return measure.longest > threshold * max(measure.height, kFlattest * measure.longest);
+  float longest = longestOf(measure);
+  return longest > threshold * max(measure.height, kFlattest * longest);
 }
 
-// The even level whose samples along an edge of `pixels` are at most a pixel apart.
-SHARED_FN uint levelOfLength(float pixels) {
-  if (!(pixels > kSingleLength)) return 0u;
-  return min(uint(2) * uint(ceil(kLevelHalf * min(pixels, kLongestEdge))), kLargestLevel);
-}
-
-// The shape that a triangle asks for under a bias, log2 of area. `previous` is kept while the length lies within its
-// level plus and minus `hysteresis` (in log2 of length); pass hysteresis < 0 for none.
-SHARED_FN uint selectShape(TessMeasure measure, float bias, uint previous, float hysteresis) {
-  float scale = exp2(-kLevelHalf * clamp(bias, -kLargestBias, kLargestBias));
-  float pixels = measure.longest * scale;
-  if (!(pixels > kSingleLength) && !(hysteresis >= kLevelZero && kindOf(previous) == kTessL)) return kTessSingle;
-  if (hysteresis >= kLevelZero) {
-    float slack = exp2(hysteresis);
-    uint held = kindOf(previous) == kTessL ? levelOfShape(previous) : 0u;
-    if (held <= levelOfLength(pixels * slack) && held >= levelOfLength(pixels / slack) && previous != kTessNone) return previous;
+// What a triangle asks for at a scale of its lengths.
+SHARED_FN TessShape shapeAt(TessMeasure measure, float scale, float slanted) {
+  TessShape shape;
+  shape.kind = kTessSingle;
+  shape.size = 0u;
+  shape.form = 0u;
+  float base = longestOf(measure) * scale;
+  if (!isFiniteNumber(base) || !(base > kSingleLength)) return shape;
+  if (!isSlanted(measure, slanted)) {
+    shape.kind = kindOfL(uint(ceil(min(base, float(kLargestLevel)))));
+    return shape;
   }
-  uint level = levelOfLength(pixels);
-  return level == 0u ? kTessSingle : shapeOfL(level);
+  float height = measure.height * scale;
+  float fit = min(kLevelOne, min(kOverWidest / base, kOverHighest / max(height, kLevelOne)));
+  vec3 edges = vec3(measure.edge0, measure.edge1, measure.edge2) * (scale * fit);
+  return shapeOfOver(overShapeOf(edges, height * fit));
 }
 
-// Texels that it would ideally take: its share of I, see pressureBias.
-SHARED_FN uint idealSamples(TessMeasure measure, float bias, float slanted) {
-  uint shape = selectShape(measure, bias, kTessNone, -kLevelOne);
-  return kindOf(shape) == kTessL ? lTexels(levelOfShape(shape)) : 1u;
+SHARED_FN bool sizeWithin(uint held, uint low, uint high) { return held >= low && held <= high; }
+
+// The shape under a bias, log2 of area. `previous` is kept while it is one for lengths within `hysteresis` (in log2)
+// of the triangle's; pass hysteresis < 0 for none.
+SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float slanted, TessShape previous, float hysteresis) {
+  float scale = exp2(-kLevelHalf * clamp(bias, -kLargestBias, kLargestBias));
+  if (!(hysteresis >= kLevelZero)) return shapeAt(measure, scale, slanted);
+  float slack = exp2(hysteresis);
+  TessShape low = shapeAt(measure, scale / slack, slanted);
+  TessShape high = shapeAt(measure, scale * slack, slanted);
+  uint kind = kindOf(previous.kind);
+  bool keeps = false;
+  if (kind == kTessSingle) {
+    keeps = kindOf(low.kind) == kTessSingle;
+  } else if (kind == kTessL) {
+    uint least = kindOf(low.kind) == kTessL ? levelOfKind(low.kind) : 1u;
+    keeps = kindOf(high.kind) == kTessL && sizeWithin(levelOfKind(previous.kind), least, levelOfKind(high.kind));
+  } else if (kind == kTessOver && kindOf(high.kind) == kTessOver && kindOf(low.kind) == kTessOver) {
+    OverShape held = overOfShape(previous);
+    OverShape least = overOfShape(low);
+    OverShape most = overOfShape(high);
+    keeps = held.apex == least.apex && held.apex == most.apex && sizeWithin(held.rows, least.rows, most.rows) &&
+            sizeWithin(held.columns0, least.columns0, most.columns0) &&
+            sizeWithin(held.columns1, least.columns1, most.columns1);
+  }
+  if (keeps) return previous;
+  return shapeAt(measure, scale, slanted);
+}
+
+// Texels that a shape's samples take in the atlas.
+SHARED_FN uint texelsOfShape(TessShape shape) {
+  uint kind = kindOf(shape.kind);
+  if (kind == kTessL) return lTexels(levelOfKind(shape.kind));
+  return kind == kTessOver ? overCount(overOfShape(shape)) : 1u;
 }
 
 TESSERA_SHARED_END

@@ -155,6 +155,10 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   tess.bias = memory.bias;
   tess.biasFloor = memory.biasFloor;
   tess.pressureBias = memory.pressureBias;
+  if (choice.slanted > 0.0) tess.slanted = static_cast<float>(choice.slanted);
+  if (choice.sampling == Sampling::LPack) tess.slanted = TessMemoryOptions::kNoneSlanted;
+  if (choice.sampling == Sampling::Oversample) tess.slanted = TessMemoryOptions::kAllSlanted;
+  if (choice.sampling != Sampling::Rect) options.gatherer = GathererKind::Tess;
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
   options.tess.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;

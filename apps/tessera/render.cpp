@@ -46,6 +46,12 @@ FrameRequest requestOf(const RenderOptions& options) {
   return request;
 }
 
+Sampling samplingOf(const std::string& method) {
+  if (method.starts_with("lpack")) return Sampling::LPack;
+  if (method.starts_with("oversample")) return Sampling::Oversample;
+  return method.starts_with("tess") ? Sampling::Tess : Sampling::Rect;
+}
+
 std::filesystem::path numbered(const std::filesystem::path& output, std::size_t frame, std::size_t frames) {
   if (frames == 1) return output;
   return output.parent_path() /
@@ -72,20 +78,6 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   }
   if (const TessAtlas* tess = engine.tess(); tess != nullptr && engine.visibleSet()->frame() > 0) {
     const TessStatistics stats = tess->memory().readStatistics();
-    if (getenv("TDBG")) {
-      const auto s = tess->memory().readState();
-      fmt::print("round {} failed {} runs {}/{} rects {} wanted {}\n", s.round, s.failed, s.runCount, s.config.runs, s.rectCount, s.wantedTexels);
-      int n = 0, bad = 0, fails = 0;
-      const auto bins = tess->memory().readBins();
-      for (size_t i = 0; i < bins.size(); ++i) {
-        const auto& b = bins[i];
-        if (b.requested == 0) continue;
-        ++n;
-        if (b.provided < b.requested) { ++bad; fails += b.requested - b.provided;
-        if (bad < 20) fmt::print("bin {} cell {}x{} req {} given {} prov {} runs {}+{} stack {}\n", i, b.cellWidth, b.cellHeight, b.requested, b.given, b.provided, b.runFirst, b.runCount, b.stackCount); }
-      }
-      fmt::print("{} bins, {} bad, {} fails\n", n, bad, fails);
-    }
     json["visible_triangles"] = stats.visible;
     json["single_texels"] = stats.singles;
     json["samples_allocated"] = stats.samples;
@@ -106,7 +98,9 @@ Result<void> render(const RenderOptions& options) {
   if (!size) return tl::unexpected(size.error());
   auto spatial = spatialOf(options.spatial);
   if (!spatial) return tl::unexpected(spatial.error());
-  auto engineSetup = engineOptions(options.atlas);
+  AtlasChoice atlas = options.atlas;
+  atlas.sampling = samplingOf(options.method);
+  auto engineSetup = engineOptions(atlas);
   if (!engineSetup) return tl::unexpected(engineSetup.error());
   auto stage = loadStageOf(options.stage);
   if (!stage) return tl::unexpected(stage.error());
@@ -122,11 +116,6 @@ Result<void> render(const RenderOptions& options) {
   if (!context) return tl::unexpected(context.error());
 
   engineSetup->request = requestOf(options);
-  if (!options.method.starts_with("rect") && !options.method.starts_with("forward")) {
-    engineSetup->gatherer = GathererKind::Tess;
-    if (options.method.starts_with("lpack")) engineSetup->tess.memory.slanted = 1e30f;
-    if (options.method.starts_with("oversample")) engineSetup->tess.memory.slanted = 1e-6f;
-  }
   engineSetup->timePasses = !options.stats.empty();
   engineSetup->countFragments = !options.stats.empty();
   engineSetup->progress = step;

@@ -34,7 +34,7 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
                 {"target growth", options.targetGrowth, 1, 2},
                 {"quiet frames", static_cast<double>(options.quietFrames), 0, 1e6},
                 {"high-water mark", options.highWater, 1e-6, 1},
-                {"slanted", options.slanted, 1e-7, 1e31}};
+                {"slanted", options.slanted, TessMemoryOptions::kAllSlanted, TessMemoryOptions::kNoneSlanted}};
   for (const auto& range : ranges)
     if (auto good = checkRange(range.name, range.value, range.least, range.most); !good)
       return tl::unexpected(good.error());

@@ -23,7 +23,9 @@ struct TessMemoryOptions {
   int quietFrames = 40;         // [0, 1e6]
   float highWater = 1.0f;       // (0, 1]; share of the atlas in cells beyond which memory is reset
   float hysteresis = 0.05f;     // [0, 1] in log2 of length; negative for none
-  float slanted = 4.0f;         // (0, inf]; longest edge to height beyond which a triangle is slanted
+  float slanted = 4.0f;         // [kAllSlanted, kNoneSlanted]; longest edge to height beyond which a triangle is slanted
+  static constexpr float kAllSlanted = 0.5f;  // below what any triangle has
+  static constexpr float kNoneSlanted = 1e9f;  // beyond what flat ones count as
 };
 
 /// What a frame did. Texels are of cells, in rectangles without any, or lost between them.

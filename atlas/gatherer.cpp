@@ -23,7 +23,16 @@ Result<AtlasTexture> AtlasTexture::create(int width, int height, AtlasFormat for
   gl::api().ClearTexImage(atlas.texture.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
   const std::array<const gl::Texture*, 1> colors = {&atlas.texture};
   atlas.framebuffer = gl::Framebuffer(colors);
+  const std::array<const gl::Texture*, 1> raw = {&atlas.encoded};
+  if (atlas.encoded) atlas.encodedFramebuffer = gl::Framebuffer(raw);
   return atlas;
+}
+
+void Gatherer::beginShading() const {
+  const AtlasTexture& target = atlas();
+  gl::api().BindFramebuffer(GL_FRAMEBUFFER, (encodes() && target.encodedFramebuffer ? target.encodedFramebuffer
+                                                                                     : target.framebuffer).get());
+  gl::api().Viewport(0, 0, target.texture.width(), target.texture.height());
 }
 
 }  // namespace tessera

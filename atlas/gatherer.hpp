@@ -18,7 +18,8 @@ enum class AtlasFormat : std::uint8_t {
 struct AtlasTexture {
   gl::Texture texture;
   gl::Texture encoded;  // a view of its encoded values, where the format has them
-  gl::Framebuffer framebuffer;
+  gl::Framebuffer framebuffer;         // of texture
+  gl::Framebuffer encodedFramebuffer;  // of encoded: what is written is encoded already
   AtlasFormat format = AtlasFormat::Srgb8;
 
   /// Cleared to zero. Fails when a side is past this context's limit.
@@ -46,11 +47,19 @@ class Gatherer {
 
   /// Binds vertices and buffers that gather and display read.
   virtual void bind() const = 0;
-  /// Shades what is visible of a batch, with its gather program in use and the texture's framebuffer bound.
-  virtual void shadeBatch(std::uint32_t batch) const = 0;
+  /// Before the first batch is shaded: binds what is written.
+  virtual void beginShading() const;
+  /// Shades what is visible of a batch, with its gather program in use.
+  virtual void shadeBatch(const gl::Program& program, std::uint32_t batch) const = 0;
+  /// After the last batch.
+  virtual void endShading() const {}
   /// Draws consecutive batches for display, with a display program in use.
   virtual void drawBatches(std::uint32_t first, std::uint32_t count) const = 0;
 
+  /// Whether its gather program draws over the texture, and takes LOCATION_SIZE.
+  [[nodiscard]] virtual bool rasters() const { return true; }
+  /// Whether its gather program writes encoded values where the format has them; else the framebuffer encodes.
+  [[nodiscard]] virtual bool encodes() const { return false; }
   [[nodiscard]] virtual const AtlasTexture& atlas() const = 0;
   /// Texels of the atlas that the last allocate() wants shaded; blocking readback.
   [[nodiscard]] virtual std::uint64_t readSamples() const = 0;

@@ -38,6 +38,7 @@ enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample };
 
 struct AtlasChoice {
   Sampling sampling = Sampling::Rect;
+  std::string gather;    // empty: the engine's default
   double slanted = 0.0;  // longest edge to height; 0: the engine's default
   double megapixels = 8.0;
   double bias = 0.0;

@@ -10,9 +10,18 @@
 
 namespace tessera {
 
+/// How samples are spawned. All write the same texels.
+enum class TessGather : std::uint8_t {
+  Raster,   // a fragment a texel of the slots' rectangles
+  Compute,  // a thread a sample, over a prefix sum of the triangles' samples
+  Tess      // a tessellation vertex a sample (Hladky 2019, sec. 3.1)
+};
+
 struct TessAtlasOptions {
   TessMemoryOptions memory;
   AtlasFormat format = AtlasFormat::Srgb8;
+  TessGather gather = TessGather::Raster;
+  int group = 64;  // threads of a group of TessGather::Compute: 32, 64, 128, 256 or 512
 };
 
 class TessAtlas final : public Gatherer {
@@ -25,11 +34,22 @@ class TessAtlas final : public Gatherer {
   void allocate(const VisibleSet& visible) override;
   void emit(const VisibleSet& visible) override;
   void bind() const override;
-  void shadeBatch(std::uint32_t batch) const override;
+  void beginShading() const override;
+  void shadeBatch(const gl::Program& program, std::uint32_t batch) const override;
   void drawBatches(std::uint32_t first, std::uint32_t count) const override;
+  [[nodiscard]] bool rasters() const override { return gather_ == TessGather::Raster; }
+  [[nodiscard]] bool encodes() const override { return true; }
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
   [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
+  void endShading() const override;
   [[nodiscard]] std::size_t bytes() const override;
+
+  /// The files of the gather program, and what they are compiled with besides the material's switches.
+  struct GatherProgram {
+    std::vector<std::string> files;
+    gl::Defines defines;
+  };
+  static GatherProgram gatherProgram(const TessAtlasOptions& options);
 
   [[nodiscard]] const TessMemory& memory() const { return memory_; }
   [[nodiscard]] TessMemory& memory() { return memory_; }
@@ -38,15 +58,21 @@ class TessAtlas final : public Gatherer {
   TessMemory memory_;
   AtlasTexture atlas_;
   std::uint32_t batchCount_ = 0;
+  TessGather gather_ = TessGather::Raster;
+  std::uint32_t group_ = 64;
   gl::Buffer entryOf_;        // uint[triangles]: its entry
   gl::Buffer entries_;        // TessEntry[entries]
   gl::Buffer vertices_;       // TessVertex[3 * entries]
   gl::Buffer batches_;        // BatchGpu[batches]
-  gl::Buffer commands_;       // TessCommand[2 * batches]: display, then gather
+  gl::Buffer commands_;       // TessCommand[3 * batches]: display, raster, pieces
   gl::Buffer emptyCommands_;
+  gl::Buffer pieces_;  // uvec2[]: entry, first sample
+  gl::Buffer starts_;  // uint[entries]; of gathering by compute
+  gl::Buffer groups_;  // TessGroups[batches]; of gathering by compute
   gl::VertexArray displayArray_;
   gl::VertexArray gatherArray_;
   const gl::Program* emit_ = nullptr;
+  const gl::Program* scan_ = nullptr;  // of gathering by compute
 };
 
 }  // namespace tessera

@@ -51,18 +51,18 @@ void Engine::shade(const View& view) {
   const auto width = static_cast<float>(atlas.texture.width());
   const auto height = static_cast<float>(atlas.texture.height());
   s.pass("gather", [&] {
-    gl::api().BindFramebuffer(GL_FRAMEBUFFER, atlas.framebuffer.get());
-    gl::api().Viewport(0, 0, atlas.texture.width(), atlas.texture.height());
-    gl::apply({.encodeSrgb = true});
+    gl::apply({.encodeSrgb = !gatherer->encodes()});
+    gatherer->beginShading();
     s.counted([&] {
       for (std::uint32_t b = 0; b < s.draw.batches.size(); ++b) {
         const BatchPrograms& programs = s.batchPrograms[b];
         programs.gather->use();
-        setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
+        if (gatherer->rasters()) setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
-        gatherer->shadeBatch(b);
+        gatherer->shadeBatch(*programs.gather, b);
       }
     });
+    gatherer->endShading();
   });
 }
 

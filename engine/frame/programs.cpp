@@ -67,7 +67,9 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
       // The alpha test belongs to visibility and display: gather shades all of a place, masked or not.
       Permutation gather = batch.shading;
       gather.mask = false;
-      auto program = triangles ? programs.get({"pass/tess_raster.vert", "pass/tess_raster.frag"}, definesOf(gather))
+      TessAtlas::GatherProgram own = TessAtlas::gatherProgram(wanted.tess);
+      own.defines.merge(definesOf(gather));
+      auto program = triangles ? programs.get(own.files, own.defines)
                                : programs.get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
       if (!program) return tl::unexpected(program.error());
       c.gather = *program;

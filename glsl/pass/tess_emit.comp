@@ -15,6 +15,7 @@ layout(std430, binding = BIND_DRAW_COMMANDS) buffer DrawCommands { TessCommand c
 layout(std430, binding = BIND_DRAW_ENTRIES) writeonly buffer DrawEntries { uint entryOfTriangle[]; };
 layout(std430, binding = BIND_DRAW_VERTICES) writeonly buffer DrawVertices { TessVertex drawVertices[]; };
 layout(std430, binding = BIND_GATHER_VERTICES) writeonly buffer Entries { TessEntry entries[]; };
+layout(std430, binding = BIND_TESS_PIECES) writeonly buffer Pieces { uvec2 pieces[]; };
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[TESS_VIEWS]; };
 layout(location = LOCATION_COUNT) uniform uint uBatches;
 
@@ -27,6 +28,12 @@ void main() {
   uint batch = instances[triangle.instance].batch;
   uint entry = batches[batch].firstEntry + atomicAdd(commands[batch].count, 3u) / 3u;
   atomicAdd(commands[uBatches + batch].count, 12u);
+  // For gathering by tessellation: a piece for as many samples as it spawns at once.
+  uint samples = kindOf(state.shape.kind) == kTessL && levelOfKind(state.shape.kind) <= kTessLargest
+                     ? 1u : texelsOfShape(state.shape);
+  uint parts = (samples + kTessMostSamples - 1u) / kTessMostSamples;
+  uint piece = commands[2u * uBatches + batch].first + atomicAdd(commands[2u * uBatches + batch].count, parts);
+  for (uint part = 0u; part < parts; ++part) pieces[piece + part] = uvec2(entry, part * kTessMostSamples);
   entryOfTriangle[number] = entry;
   entries[entry] = TessEntry(state.shape, state.place0, state.place1, triangle.vertex0, triangle.vertex1,
                              triangle.vertex2, triangle.instance, 0u, 0u, 0u);

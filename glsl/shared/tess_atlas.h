@@ -203,6 +203,14 @@ struct TessVertex {
   float w;
 };
 
+// Indirect arguments of gathering by compute, and how many samples they are for.
+struct TessGroups {
+  uint x;
+  uint y;
+  uint z;
+  uint samples;
+};
+
 struct TessCommand {
   uint count;
   uint instanceCount;

@@ -23,10 +23,10 @@ void expectOneToOne(const std::array<unsigned, 3>& outer, unsigned inner, std::m
   const std::vector<Bary> samples = test::pattern(outer, inner);
   ASSERT_EQ(glsl::tessCount(levels), samples.size());
   std::vector<bool> seen(samples.size(), false);
-  std::uniform_real_distribution<float> noise(-1.0f / 65536.0f, 1.0f / 65536.0f);
+  std::uniform_real_distribution<float> noise(-5e-4f, 5e-4f);
   for (const Bary& sample : samples) {
     glm::vec3 at = test::toFloat(sample);
-    // Coordinates on an edge are exactly zero, with equality of what is computed from either side.
+    // Drivers are off by 2.5e-4, but zero is zero.
     for (int axis = 0; axis < 3; ++axis)
       if (at[axis] != 0.0f) at[axis] += noise(random);
     const TessPlace place = glsl::tessPlaceAt(at, levels);

@@ -15,10 +15,9 @@ using glm::ceil;
 
 // The gathering camera.
 struct FootprintView {
-  vec2 pixels;  // a unit at depth 1, along x and y: |P00| width / 2, |P11| height / 2
-  vec2 limits;  // of |x| and |y| at depth 1 up to which a triangle is measured on screen; somewhat beyond the
-                // view
-  float nearest;  // depth from which on it is
+  vec2 pixels;    // a unit at depth 1, along x and y: |P00| width / 2, |P11| height / 2
+  vec2 limits;    // of |x| and |y| at depth 1; somewhat beyond the view
+  float nearest;  // depth; that of the near plane
 };
 
 // Lengths in pixels; edges[s] is opposite of corner s.
@@ -28,12 +27,12 @@ struct Footprint {
 };
 
 // Corners in view space: x right, y up, the camera looks along -z.
-// A triangle in view is measured on the screen. One that reaches out of `limits`, comes near to the eye's
-// plane or lies behind it is measured by angles, times the pixels per radian of the middle: its edges are
-// then at most half a turn long, however small a w becomes, nothing needs to be clipped, and triangles that
-// another view of the potentially visible set sees have a size too. A clipped outline would say nothing of
-// those, and one of a triangle that crosses the near plane would still have to be turned into a size of the
-// whole triangle, which is what is sampled.
+// A triangle within the limits is measured on the screen. One that reaches out of `limits`, comes near to the
+// eye's plane or lies behind it is measured by angles, times the pixels per radian of the middle: its edges
+// are then at most half a turn long, however small a w becomes, nothing needs to be clipped, and triangles
+// that another view of the potentially visible set sees have a size too. A clipped outline would say nothing
+// of those, and one of a triangle that crosses the near plane would still have to be turned into a size of
+// the whole triangle, which is what is sampled.
 SHARED_FN Footprint footprintOf(vec3 v0, vec3 v1, vec3 v2, FootprintView view) {
   vec3 depth = vec3(-v0.z, -v1.z, -v2.z);
   bool onScreen = true;
@@ -71,16 +70,15 @@ SHARED_CONST uint kSampledSplit = 3u;  // too large: split first, each edge into
 struct SampleOptions {
   float texelsPerPixel;  // along an edge; more than 0. Biases are factors of it.
   float onceBelow;       // longest edge, in texels, up to which a triangle is one texel
-  float
-      slantedAbove;  // longest edge by height from which on a triangle is oversampled; 0: all are, 2e30: none
-  bool mustFit;      // what is too large is sampled coarser instead of split
+  float slantedAbove;    // longest edge by height beyond which it is oversampled; 0: all, 2e30: none
+  bool mustFit;          // what is too large is sampled coarser instead of split
 };
 
 struct SampleMeasure {
   uint kind;
   uint level;
   OverShape shape;  // of kSampledOver only
-  uint split;       // 2 to 64
+  uint split;       // of kSampledSplit only, 2 to 64
   float slanted;    // longest edge by height; 1e30 where it has none
 };
 

@@ -5,9 +5,9 @@
 // L coordinates count texels from tip 0's corner, samples at whole numbers.
 //
 // Both parities are used. With even levels only, the level that reaches a wanted size s (s log-uniform) has
-// more samples than s asks for by 41 % for s in [1, 8], 6 % for [8, 64]; with all levels by 21 % and 3 %. The
-// duplicates are 8.8 % and 1.7 % of the samples with even levels, 10.2 % and 1.8 % with all: a seventh of
-// what is gained. (tests/tessellation prints these.)
+// more samples than s asks for by 41 % for s in [1, 8] and 6 % in [8, 64]; with all levels by 21 % and 3 %.
+// Duplicates are 8.8 % and 1.7 % of the samples with even levels, 10.2 % and 1.8 % with all: less than a
+// tenth of what is gained. (tests/tessellation prints these.)
 #ifndef TESSERA_GLSL_SHARED_LPACK_H
 #define TESSERA_GLSL_SHARED_LPACK_H
 #include "shared/dialect.h"

@@ -146,7 +146,7 @@ SHARED_FN uint overStride(uint columns, uint rows) {
   return columns + ((columns - 1u) % (rows - 1u) == 0u ? 1u : 2u);
 }
 
-// Threads of one block: its texels, and fewer than one in each pair of rows that finds nothing to do.
+// Threads of one block: one for each texel, and at most one in each pair of rows that has none.
 SHARED_FN uint overBlockCount(uint columns, uint rows) {
   if (columns == 0u || rows == 1u) return columns;
   uint rest = rows - 2u;

@@ -16,6 +16,8 @@ using glsl::uint;
 using glsl::uvec2;
 using test::Bary;
 using test::fetch;
+using test::kRange;
+using test::linear;
 using test::Long;
 using test::Texels;
 
@@ -26,9 +28,6 @@ std::vector<std::pair<TessPlace, Bary>> samplesOf(uint level) {
     all.push_back({glsl::tessPlaceAt(test::toFloat(at), glsl::tessUniform(level)), at});
   return all;
 }
-
-Long linear(const Bary& at) { return 3 * at[0] - 2 * at[1] + at[2]; }  // range 5
-constexpr Long kRange = 5;
 
 Texels texelsOf(uint level) {
   Texels texels;

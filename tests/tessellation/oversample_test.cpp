@@ -20,6 +20,8 @@ using glsl::uint;
 using glsl::uvec2;
 using test::Bary;
 using test::fetch;
+using test::kRange;
+using test::linear;
 using test::Long;
 using test::Texels;
 
@@ -182,9 +184,6 @@ glm::vec3 edgesOf(float base, float height, float foot, int apex) {
   return edges;
 }
 
-Long linear(const Bary& at) { return 3 * at[0] - 2 * at[1] + at[2]; }  // range 5
-constexpr Long kRange = 5;
-
 Bary toLong(glm::vec3 v) { return {static_cast<Long>(v.x), static_cast<Long>(v.y), static_cast<Long>(v.z)}; }
 
 TEST(Oversample, EveryTapIsATexelOfTheTriangleAndLinearFunctionsAreReproduced) {
@@ -262,6 +261,13 @@ TEST(Oversample, FlatTrianglesAreExactAlongTheBase) {
       const OverCell cell = glsl::overCellOf(thread, shape);
       const glm::vec3 even = glsl::overEven(cell, shape);
       ASSERT_GE(std::min({even.x, even.y, even.z}), -1e-6f);
+      // In the middle of the height there: twice as high, it would lie on one of the two upper edges.
+      const auto top = static_cast<int>(shape.apex);
+      glm::vec3 upper = even;
+      upper[top] = 2.0f * even[top];
+      upper[(top + 1) % 3] -= (1.0f - static_cast<float>(at)) * even[top];
+      upper[(top + 2) % 3] -= static_cast<float>(at) * even[top];
+      ASSERT_NEAR(std::min(upper[(top + 1) % 3], upper[(top + 2) % 3]), 0.0f, 1e-5f);
       texels[{cell.at.x, cell.at.y}] = along(toLong(even));
     }
     for (int point = 0; point < 50; ++point) {

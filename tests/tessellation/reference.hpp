@@ -82,6 +82,10 @@ inline glm::vec3 randomBary(std::mt19937& random) {
   return at / (at.x + at.y + at.z);
 }
 
+/// What interpolation must reproduce, and how far apart its values over a triangle are.
+inline Long linear(const Bary& at) { return 3 * at[0] - 2 * at[1] + at[2]; }
+constexpr Long kRange = 5;
+
 /// Texels by place.
 using Texels = std::map<std::pair<int, int>, Long>;
 

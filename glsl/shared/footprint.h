@@ -69,6 +69,7 @@ SHARED_CONST uint kSampledSplit = 3u;  // too large: split first, each edge into
 
 struct SampleOptions {
   float texelsPerPixel;  // along an edge; more than 0. Biases are factors of it.
+  float levelPerTexel;   // level of an L for a texel of its longest edge, more than 0; see measureSamples
   float onceBelow;       // longest edge, in texels, up to which a triangle is one texel
   float slantedAbove;    // longest edge by height beyond which it is oversampled; 0: all, 2e30: none
   bool mustFit;          // what is too large is sampled coarser instead of split
@@ -95,9 +96,10 @@ SHARED_FN float overFit(float base, float height) {
 }
 
 // Chooses the samples of a triangle. Needles, mirrored and flat triangles need no rule of their own: only
-// lengths count, and what has no height is infinitely slanted. Lengths that are not finite give one texel. An
-// L has the smallest level whose samples are at most a texel apart along the longest edge; an equilateral
-// triangle then has 1.7 samples for each texel of its area, since the pattern's rows lie closer together.
+// lengths count, and what has no height is infinitely slanted. Lengths that are not finite give one texel.
+// Blocks have a sample for each texel of area, and those around. An L with levelPerTexel 1 has samples at
+// most a texel apart along the longest edge; its rows lie closer, so that an equilateral triangle has 1.73
+// samples for a texel of area, and one with levelPerTexel 0.76 has 1.
 SHARED_FN SampleMeasure measureSamples(Footprint footprint, SampleOptions options) {
   SampleMeasure measure;
   measure.kind = kSampledOnce;
@@ -123,10 +125,11 @@ SHARED_FN SampleMeasure measureSamples(Footprint footprint, SampleOptions option
   float most = float(kTessLargest);
   if (!slanted) {
     measure.kind = kSampledL;
-    measure.level = uint(ceil(min(base, most)));
-    if (base <= most || options.mustFit) return measure;
+    float level = base * options.levelPerTexel;
+    measure.level = uint(ceil(clamp(level, kLevelOne, most)));
+    if (level <= most || options.mustFit) return measure;
     measure.kind = kSampledSplit;
-    measure.split = uint(clamp(ceil(base / most), float(2), most));
+    measure.split = uint(clamp(ceil(level / most), float(2), most));
     return measure;
   }
   measure.kind = kSampledOver;

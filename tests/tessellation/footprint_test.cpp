@@ -21,7 +21,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /// 1000 pixels a unit at depth 1, a view of 45 degrees to each side and a quarter more.
 constexpr FootprintView kView{{1000.0f, 1000.0f}, {1.25f, 1.25f}, 0.1f};
-constexpr SampleOptions kOptions{1.0f, 1.0f, 3.0f, false};
+constexpr SampleOptions kOptions{1.0f, 1.0f, 1.0f, 3.0f, false};
 
 SampleMeasure measure(vec3 a, vec3 b, vec3 c, SampleOptions options = kOptions) {
   return glsl::measureSamples(glsl::footprintOf(a, b, c, kView), options);
@@ -86,6 +86,12 @@ TEST(Footprint, MeasuresByHand) {
   SampleOptions half = kOptions;
   half.texelsPerPixel = 0.5f;
   EXPECT_EQ(measure(at(0, 0), at(63.5f, 0), at(30, 50), half).level, 32u);
+  SampleOptions sparse = kOptions;
+  sparse.levelPerTexel = 0.76f;
+  EXPECT_EQ(measure(at(0, 0), at(50, 0), at(25, 43.3f), sparse).level, 38u);
+  EXPECT_NEAR(glsl::tessUniformCount(38) / (0.5f * 50 * 43.3f), 1.0f, 0.1f);
+  EXPECT_EQ(measure(at(0, 0), at(80, 0), at(40, 60), sparse).kind, glsl::kSampledL);
+  EXPECT_EQ(measure(at(0, 0), at(90, 0), at(40, 60), sparse).kind, glsl::kSampledSplit);
   // Mirrored, and seen from behind: only lengths count.
   EXPECT_EQ(measure(at(15, 3.5f), at(40, 0), at(0, 0)).shape.rows, 5u);
   EXPECT_EQ(measure(at(0, 0), at(15, 3.5f), at(40, 0)).shape.apex, 1u);
@@ -201,6 +207,7 @@ TEST(Footprint, HostileTrianglesGetValidSamples) {
     if (what == 7) v[0].z = -1.0f, v[1].z = -1e4f, v[2].z = -1e6f;
     SampleOptions options = kOptions;
     options.texelsPerPixel = std::exp2(unit(random) * 4.0f);
+    options.levelPerTexel = std::exp2(unit(random));
     options.mustFit = random() % 2 == 0;
     if (random() % 4 == 0) options.slantedAbove = random() % 2 == 0 ? 0.0f : 2e30f;
     const Footprint f = glsl::footprintOf(v[0], v[1], v[2], kView);

@@ -93,6 +93,7 @@ SHARED_FN Probe probe(uint index) {
   Footprint footprint = footprintOf(v0, v1, v2, view);
   SampleOptions options;
   options.texelsPerPixel = float(1);
+  options.levelPerTexel = float(1);
   options.onceBelow = float(1);
   options.slantedAbove = float(2);
   options.mustFit = (a & 1u) == 1u;

@@ -8,9 +8,8 @@ Result<AtlasTexture> AtlasTexture::create(int width, int height, AtlasFormat for
   GLint largest = 0;
   gl::api().GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   if (width > largest || height > largest)
-    return fail(
-        "atlas of {} x {} texels (with the rows of single texels) is past this context's limit of {}", width,
-        height, largest);
+    return fail("atlas of {} x {} texels (with the rows of single texels) is past this context's limit of {}",
+                width, height, largest);
   AtlasTexture atlas;
   atlas.format = format;
   atlas.texture = gl::Texture(format == AtlasFormat::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height);
@@ -30,8 +29,9 @@ Result<AtlasTexture> AtlasTexture::create(int width, int height, AtlasFormat for
 
 void Gatherer::beginShading() const {
   const AtlasTexture& target = atlas();
-  gl::api().BindFramebuffer(GL_FRAMEBUFFER, (encodes() && target.encodedFramebuffer ? target.encodedFramebuffer
-                                                                                     : target.framebuffer).get());
+  gl::api().BindFramebuffer(
+      GL_FRAMEBUFFER,
+      (encodes() && target.encodedFramebuffer ? target.encodedFramebuffer : target.framebuffer).get());
   gl::api().Viewport(0, 0, target.texture.width(), target.texture.height());
 }
 

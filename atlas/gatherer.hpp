@@ -1,5 +1,5 @@
-// What the engine asks of a way to fill an atlas: place the visible set, be shaded into by whoever owns the materials,
-// and be drawn from for any view. The stages are apart, so that each runs at its own rate.
+// What the engine asks of a way to fill an atlas: place the visible set, be shaded into by whoever owns the
+// materials, and be drawn from for any view. The stages are apart, so that each runs at its own rate.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ enum class AtlasFormat : std::uint8_t {
 /// The texture that a gatherer fills.
 struct AtlasTexture {
   gl::Texture texture;
-  gl::Texture encoded;  // a view of its encoded values, where the format has them
+  gl::Texture encoded;                 // a view of its encoded values, where the format has them
   gl::Framebuffer framebuffer;         // of texture
   gl::Framebuffer encodedFramebuffer;  // of encoded: what is written is encoded already
   AtlasFormat format = AtlasFormat::Srgb8;
@@ -39,7 +39,8 @@ class Gatherer {
 
   /// Level of each visible element; the views are in the uniform buffer BIND_VIEWS. `measure` is another
   /// permutation of the measuring pass, or null for the plain one.
-  virtual void selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure) = 0;
+  virtual void selectLevels(const VisibleSet& visible, std::uint32_t viewCount,
+                            const gl::Program* measure) = 0;
   /// Afterwards every visible element has a place, be it a texel.
   virtual void allocate(const VisibleSet& visible) = 0;
   /// Writes what shading and display draw.
@@ -58,7 +59,8 @@ class Gatherer {
 
   /// Whether its gather program draws over the texture, and takes LOCATION_SIZE.
   [[nodiscard]] virtual bool rasters() const { return true; }
-  /// Whether its gather program writes encoded values where the format has them; else the framebuffer encodes.
+  /// Whether its gather program writes encoded values where the format has them; else the framebuffer
+  /// encodes.
   [[nodiscard]] virtual bool encodes() const { return false; }
   [[nodiscard]] virtual const AtlasTexture& atlas() const = 0;
   /// Texels of the atlas that the last allocate() wants shaded; blocking readback.

@@ -14,8 +14,10 @@ enum class VisibleElement : std::uint8_t { Patch, Triangle };
 /// Visible elements of the current frame. begin(), add() once a view, finish(); nothing is read back.
 class VisibleSet {
  public:
-  /// Of patch instances, or of triangles: `capacity` of either (see triangleNumber in glsl/shared/tess_atlas.h).
-  static Result<VisibleSet> create(gl::ProgramCache& programs, VisibleElement element, std::uint32_t capacity);
+  /// Of patch instances, or of triangles: `capacity` of either (see triangleNumber in
+  /// glsl/shared/tess_atlas.h).
+  static Result<VisibleSet> create(gl::ProgramCache& programs, VisibleElement element,
+                                   std::uint32_t capacity);
 
   /// Starts a new frame's list.
   void begin();

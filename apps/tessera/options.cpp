@@ -77,10 +77,12 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
                   "how far past the border, in log2, a block's ideal size must be; -1: none")
       ->check(CLI::Range(-1.0, 2.0));
   command
-      .add_option("--gather", choice.gather,
-                  "how the tessellation gatherer spawns its samples: raster, tess, or compute-N by groups of N "
-                  "threads (32, 64, 128, 256, 512)")
-      ->check(CLI::IsMember({"raster", "tess", "compute-32", "compute-64", "compute-128", "compute-256", "compute-512"}));
+      .add_option(
+          "--gather", choice.gather,
+          "how the tessellation gatherer spawns its samples: raster, tess, or compute-N by groups of N "
+          "threads (32, 64, 128, 256, 512)")
+      ->check(CLI::IsMember(
+          {"raster", "tess", "compute-32", "compute-64", "compute-128", "compute-256", "compute-512"}));
   command
       .add_option("--slanted", choice.slanted,
                   "longest edge to height beyond which a triangle is oversampled by method tess")
@@ -165,11 +167,11 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   tess.biasFloor = memory.biasFloor;
   tess.pressureBias = memory.pressureBias;
   if (!choice.gather.empty()) {
-    options.tess.gather = choice.gather == "raster" ? TessGather::Raster
-                          : choice.gather == "tess" ? TessGather::Tess
-                                                    : TessGather::Compute;
-    if (options.tess.gather == TessGather::Compute)
-      options.tess.group = std::atoi(choice.gather.c_str() + std::string_view("compute-").size());
+    options.tess.spawn.gather = choice.gather == "raster" ? TessGather::Raster
+                                : choice.gather == "tess" ? TessGather::Tess
+                                                          : TessGather::Compute;
+    if (options.tess.spawn.gather == TessGather::Compute)
+      options.tess.spawn.group = std::atoi(choice.gather.c_str() + std::string_view("compute-").size());
   }
   if (choice.slanted > 0.0) tess.slanted = static_cast<float>(choice.slanted);
   if (choice.sampling == Sampling::LPack) tess.slanted = TessMemoryOptions::kNoneSlanted;

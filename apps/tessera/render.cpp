@@ -178,8 +178,11 @@ Run addRender(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("render", "Draw a scene to PNG files");
   command.add_option("scene", options->scene, "glTF 2.0 file, .gltf or .glb")->required();
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
-  command.add_option("--method", options->method, "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
-      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred", "oversample", "tess", "tess-deferred"}))
+  command
+      .add_option("--method", options->method,
+                  "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
+      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred",
+                             "oversample", "tess", "tess-deferred"}))
       ->capture_default_str();
   command
       .add_option("--view", options->view,

@@ -19,8 +19,15 @@ void drawIndirect(GLenum mode, const gl::VertexArray& array, const gl::Buffer& c
 
 }  // namespace
 
+Result<void> check(const TessSpawn& spawn) {
+  for (const int group : {32, 64, 128, 256, 512})
+    if (spawn.group == group) return {};
+  return fail("gather: a group of {} threads is not one of 32, 64, 128, 256, 512", spawn.group);
+}
+
 Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasOptions& options,
                                     std::uint32_t triangles, std::span<const glsl::BatchGpu> batches) {
+  if (auto good = check(options.spawn); !good) return tl::unexpected(good.error());
   TessAtlas atlas;
   auto memory = TessMemory::create(programs, options.memory, triangles);
   if (!memory) return tl::unexpected(memory.error());
@@ -28,16 +35,12 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
   auto emit = programs.get({"pass/tess_emit.comp"});
   if (!emit) return tl::unexpected(emit.error());
   atlas.emit_ = *emit;
-  atlas.gather_ = options.gather;
-  atlas.group_ = static_cast<std::uint32_t>(options.group);
-  if (options.gather == TessGather::Compute) {
-    if (options.group < 32 || options.group > 512 || (options.group & (options.group - 1)) != 0)
-      return fail("gather group of {} threads is not one of 32, 64, 128, 256, 512", options.group);
-    auto scan = programs.get({"pass/tess_scan.comp"});
-    if (!scan) return tl::unexpected(scan.error());
-    atlas.scan_ = *scan;
-  }
-  auto texture = AtlasTexture::create(atlas.memory_.textureWidth(), atlas.memory_.textureHeight(), options.format);
+  atlas.spawn_ = options.spawn;
+  auto scan = programs.get({"pass/tess_scan.comp"});
+  if (!scan) return tl::unexpected(scan.error());
+  atlas.scan_ = *scan;
+  auto texture =
+      AtlasTexture::create(atlas.memory_.textureWidth(), atlas.memory_.textureHeight(), options.format);
   if (!texture) return tl::unexpected(texture.error());
   atlas.atlas_ = std::move(*texture);
 
@@ -46,7 +49,8 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
   for (const std::uint32_t vertices : {kDisplayVertices, kRasterVertices})
     for (const glsl::BatchGpu& batch : batches) commands.push_back({0, 1, vertices * batch.firstEntry, 0});
   // A triangle has another piece for each time that it has as many texels as a tessellator spawns.
-  const auto area = static_cast<std::size_t>(options.memory.width) * static_cast<std::size_t>(options.memory.height);
+  const auto area =
+      static_cast<std::size_t>(options.memory.width) * static_cast<std::size_t>(options.memory.height);
   const std::size_t morePieces = area / glsl::kTessMostSamples;
   std::size_t pieces = 0;
   for (const glsl::BatchGpu& batch : batches) {
@@ -55,10 +59,8 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
     entries += batch.entryCapacity;
   }
   atlas.pieces_ = gl::Buffer(pieces * sizeof(glsl::uvec2));
-  if (options.gather == TessGather::Compute) {
-    atlas.starts_ = gl::Buffer(entries * sizeof(glsl::uint));
-    atlas.groups_ = gl::Buffer(batches.size() * sizeof(glsl::TessGroups));
-  }
+  atlas.starts_ = gl::Buffer(entries * sizeof(glsl::uint));
+  atlas.groups_ = gl::Buffer(batches.size() * sizeof(glsl::TessGroups));
   atlas.batchCount_ = static_cast<std::uint32_t>(batches.size());
   atlas.batches_ = gl::Buffer(batches, 0);
   atlas.commands_ = gl::Buffer(commands);
@@ -106,13 +108,13 @@ void TessAtlas::bind() const {
 }
 
 void TessAtlas::beginShading() const {
-  if (gather_ == TessGather::Raster) {
+  if (spawn_.gather == TessGather::Raster) {
     Gatherer::beginShading();
     return;
   }
   const gl::Texture& target = atlas_.display();
   gl::api().BindImageTexture(0, target.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, target.format());
-  if (gather_ == TessGather::Tess) {
+  if (spawn_.gather == TessGather::Tess) {
     gl::api().PatchParameteri(GL_PATCH_VERTICES, 1);
     gl::api().Enable(GL_RASTERIZER_DISCARD);
     return;
@@ -120,14 +122,14 @@ void TessAtlas::beginShading() const {
   starts_.bindStorage(BIND_TESS_STARTS);
   groups_.bindStorage(BIND_TESS_GROUPS);
   scan_->use();
-  scan_->set(LOCATION_COUNT, group_);
+  scan_->set(LOCATION_COUNT, static_cast<unsigned>(spawn_.group));
   gl::api().DispatchCompute(batchCount_, 1, 1);
   gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
 }
 
 void TessAtlas::endShading() const {
-  if (gather_ == TessGather::Tess) gl::api().Disable(GL_RASTERIZER_DISCARD);
-  if (gather_ != TessGather::Raster)
+  if (spawn_.gather == TessGather::Tess) gl::api().Disable(GL_RASTERIZER_DISCARD);
+  if (spawn_.gather != TessGather::Raster)
     gl::api().MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
                             GL_FRAMEBUFFER_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
@@ -135,13 +137,13 @@ void TessAtlas::endShading() const {
 TessAtlas::GatherProgram TessAtlas::gatherProgram(const TessAtlasOptions& options) {
   GatherProgram program;
   if (options.format == AtlasFormat::Srgb8) program.defines.emplace("ENCODED", "1");
-  switch (options.gather) {
+  switch (options.spawn.gather) {
     case TessGather::Raster:
       program.files = {"pass/tess_raster.vert", "pass/tess_raster.frag"};
       break;
     case TessGather::Compute:
       program.files = {"pass/tess_gather.comp"};
-      program.defines.emplace("GROUP", std::to_string(options.group));
+      program.defines.emplace("GROUP", std::to_string(options.spawn.group));
       break;
     case TessGather::Tess:
       program.files = {"pass/tess_spawn.vert", "pass/tess_spawn.tesc", "pass/tess_spawn.tese"};
@@ -151,7 +153,7 @@ TessAtlas::GatherProgram TessAtlas::gatherProgram(const TessAtlasOptions& option
 }
 
 void TessAtlas::shadeBatch(const gl::Program& program, std::uint32_t batch) const {
-  switch (gather_) {
+  switch (spawn_.gather) {
     case TessGather::Raster:
       drawIndirect(GL_TRIANGLES, gatherArray_, commands_, batchCount_ + batch, 1);
       return;

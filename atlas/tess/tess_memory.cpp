@@ -12,7 +12,7 @@ namespace tessera {
 namespace {
 
 // Free slots that a bin remembers; what is freed beyond is lost until memory is reset.
-constexpr std::uint64_t kLongestStack = 16384;      // of Ls
+constexpr std::uint64_t kLongestStack = 16384;     // of Ls
 constexpr std::uint64_t kLongestBlockStack = 256;  // of Oversampling's blocks, which have many more bins
 
 Result<void> checkRange(const char* name, double value, double least, double most) {
@@ -24,21 +24,23 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
   const struct {
     const char* name;
     double value, least, most;
-  } ranges[] = {{"width", static_cast<double>(options.width), 256, 16384},
-                {"height", static_cast<double>(options.height), 256, 16384},
-                {"bias", options.bias, -16, 16},
-                {"bias floor", options.biasFloor, -4, 0},
-                {"target share", options.targetShare, 1e-6, 1},
-                {"largest target", options.targetLargest, options.targetShare, 1},
-                {"target cut", options.targetCut, 1e-6, 1},
-                {"target growth", options.targetGrowth, 1, 2},
-                {"quiet frames", static_cast<double>(options.quietFrames), 0, 1e6},
-                {"high-water mark", options.highWater, 1e-6, 1},
-                {"slanted", options.slanted, TessMemoryOptions::kAllSlanted, TessMemoryOptions::kNoneSlanted}};
+  } ranges[] = {
+      {"width", static_cast<double>(options.width), 256, 16384},
+      {"height", static_cast<double>(options.height), 256, 16384},
+      {"bias", options.bias, -16, 16},
+      {"bias floor", options.biasFloor, -4, 0},
+      {"target share", options.targetShare, 1e-6, 1},
+      {"largest target", options.targetLargest, options.targetShare, 1},
+      {"target cut", options.targetCut, 1e-6, 1},
+      {"target growth", options.targetGrowth, 1, 2},
+      {"quiet frames", static_cast<double>(options.quietFrames), 0, 1e6},
+      {"high-water mark", options.highWater, 1e-6, 1},
+      {"slanted", options.slanted, TessMemoryOptions::kAllSlanted, TessMemoryOptions::kNoneSlanted}};
   for (const auto& range : ranges)
     if (auto good = checkRange(range.name, range.value, range.least, range.most); !good)
       return tl::unexpected(good.error());
-  if (!(options.hysteresis <= 1.0f)) return fail("atlas memory: hysteresis {} is above 1", options.hysteresis);
+  if (!(options.hysteresis <= 1.0f))
+    return fail("atlas memory: hysteresis {} is above 1", options.hysteresis);
   const double area = static_cast<double>(options.width) * options.height;
   glsl::TessConfig config{};
   config.width = static_cast<glsl::uint>(options.width);
@@ -77,7 +79,8 @@ std::vector<glsl::TessBin> emptyBins(const glsl::TessConfig& config, std::uint64
     const std::uint64_t slots =
         std::uint64_t{2} * config.width * config.height / (std::uint64_t{bin.cellWidth} * bin.cellHeight);
     bin.stackBase = static_cast<glsl::uint>(entries);
-    bin.stackCapacity = static_cast<glsl::uint>(std::clamp<std::uint64_t>(slots, 1, i < glsl::kLargestLevel ? kLongestStack : kLongestBlockStack));
+    bin.stackCapacity = static_cast<glsl::uint>(
+        std::clamp<std::uint64_t>(slots, 1, i < glsl::kLargestLevel ? kLongestStack : kLongestBlockStack));
     bin.spare = glsl::kNoPlace;
     entries += bin.stackCapacity;
   }

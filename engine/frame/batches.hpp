@@ -41,8 +41,8 @@ struct DrawScene {
   std::vector<std::uint32_t> instanceOfPatch;  // one a patch instance
   std::vector<std::uint32_t> patchBase;        // one an instance
   std::uint32_t patchInstances = 0;
-  std::uint32_t entries = 0;         // capacity over all batches
-  std::uint32_t triangles = 0;       // of all instances but the blended
+  std::uint32_t entries = 0;    // capacity over all batches
+  std::uint32_t triangles = 0;  // of all instances but the blended
 
   // What the patch stage made of the scene, for `info` and reports.
   std::uint64_t trianglesPaired = 0;

@@ -18,7 +18,8 @@ constexpr const char* kScreenModes[] = {"0", "1", "2", "3"};  // see pass/debug_
 
 Result<Image> Engine::debugView(DebugView what, const View& view) {
   State& s = *s_;
-  if (s.gatherer() == nullptr) return fail("{}: the plan has no atlas, so there is nothing to show of it", s.scene.file);
+  if (s.gatherer() == nullptr)
+    return fail("{}: the plan has no atlas, so there is nothing to show of it", s.scene.file);
   const auto guard = s.guard();
   if (what == DebugView::Atlas) return readAtlas();
   if (!s.atlas) return fail("{}: this view is the rectangular atlas's", s.scene.file);

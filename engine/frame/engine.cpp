@@ -193,6 +193,18 @@ Result<void> Engine::remakeAtlas(const TessAtlasOptions& tess) {
   return s_->makeGatherer(options);
 }
 
+Result<void> Engine::setSpawn(const TessSpawn& spawn) {
+  State& s = *s_;
+  if (auto good = check(spawn); !good || !s.tess) return good;
+  const auto guard = s.guard();
+  EngineOptions options = s.options;
+  options.tess.spawn = spawn;
+  if (auto compiled = s.compileGatherer(options); !compiled) return compiled;
+  s.tess->setSpawn(spawn);
+  s.options.tess.spawn = spawn;
+  return {};
+}
+
 Result<void> Engine::State::makeGatherer(const EngineOptions& wanted) {
   const bool triangles = wanted.gatherer == GathererKind::Tess;
   const VisibleElement element = triangles ? VisibleElement::Triangle : VisibleElement::Patch;

@@ -104,6 +104,9 @@ class Engine {
   /// leaves the old one, where such an atlas cannot be made.
   Result<void> remakeAtlas(const RectMemoryOptions& memory);
   Result<void> remakeAtlas(const TessAtlasOptions& tess);
+  /// Another way to spawn the samples of what is placed; without effect on any but the tessellation gatherer.
+  /// Fails, and changes nothing, where check(spawn) does or a program does not compile.
+  Result<void> setSpawn(const TessSpawn& spawn);
   /// findVisible, place (without options), shade and display of one view.
   void rect(const View& view, DisplayMode mode = DisplayMode::Geometry);
 

@@ -144,7 +144,8 @@ struct Engine::State {
   Result<void> compile();
   /// The programs of the gatherer that the options name: those to shade and to display its atlas.
   Result<void> compileGatherer(const EngineOptions& wanted);
-  /// Makes the gatherer that the options name, with its programs and its visible set, in place of the one there is.
+  /// Makes the gatherer that the options name, with its programs and its visible set, in place of the one
+  /// there is.
   Result<void> makeGatherer(const EngineOptions& wanted);
   [[nodiscard]] Gatherer* gatherer() {
     return tess ? static_cast<Gatherer*>(&*tess) : (atlas ? &*atlas : nullptr);

@@ -69,14 +69,17 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
       gather.mask = false;
       TessAtlas::GatherProgram own = TessAtlas::gatherProgram(wanted.tess);
       own.defines.merge(definesOf(gather));
-      auto program = triangles ? programs.get(own.files, own.defines)
-                               : programs.get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
+      auto program =
+          triangles ? programs.get(own.files, own.defines)
+                    : programs.get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
       if (!program) return tl::unexpected(program.error());
       c.gather = *program;
     }
     if (has("display")) {
-      auto program = triangles ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, definesOf(batch.depth))
-                               : programs.get({"pass/display.vert", "pass/display.frag"}, definesOf(batch.depth));
+      auto program =
+          triangles
+              ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, definesOf(batch.depth))
+              : programs.get({"pass/display.vert", "pass/display.frag"}, definesOf(batch.depth));
       if (!program) return tl::unexpected(program.error());
       c.display = *program;
     }

@@ -1,13 +1,13 @@
-// L-packing: the samples of a triangle tessellated with one level for all sides, unfolded into an L of texels.
-// Based on Hladky 2019, sec. 3.2, eq. 3 and 4. Each corner ("tip") owns the samples nearest to it, a square; tip 0 is
-// the L's corner, tip 1 its arm along x, tip 2 its arm along y. The seams 0|1 and 0|2 stay sewn; the cut 1|2 is open,
-// and what filtering needs across it is written twice.
-// l is the level, h = l / 2. L coordinates count texels from tip 0's corner, samples at whole numbers.
+// L-packing: the samples of a triangle tessellated with one level for all sides, unfolded into an L of
+// texels. Based on Hladky 2019, sec. 3.2, eq. 3 and 4. Each corner ("tip") owns the samples nearest to it, a
+// square; tip 0 is the L's corner, tip 1 its arm along x, tip 2 its arm along y. The seams 0|1 and 0|2 stay
+// sewn; the cut 1|2 is open, and what filtering needs across it is written twice. l is the level, h = l / 2.
+// L coordinates count texels from tip 0's corner, samples at whole numbers.
 //
-// Both parities are used. With even levels only, the level that reaches a wanted size s (s log-uniform) has more
-// samples than s asks for by 41 % for s in [1, 8], 6 % for [8, 64]; with all levels by 21 % and 3 %. The duplicates
-// are 8.8 % and 1.7 % of the samples with even levels, 10.2 % and 1.8 % with all: a seventh of what is gained.
-// (tests/tessellation prints these.)
+// Both parities are used. With even levels only, the level that reaches a wanted size s (s log-uniform) has
+// more samples than s asks for by 41 % for s in [1, 8] and 6 % in [8, 64]; with all levels by 21 % and 3 %.
+// Duplicates are 8.8 % and 1.7 % of the samples with even levels, 10.2 % and 1.8 % with all: less than a
+// tenth of what is gained. (tests/tessellation prints these.)
 #ifndef TESSERA_GLSL_SHARED_LPACK_H
 #define TESSERA_GLSL_SHARED_LPACK_H
 #include "shared/dialect.h"
@@ -18,8 +18,8 @@ TESSERA_SHARED_BEGIN
 using glm::clamp;
 #endif
 
-SHARED_CONST uint kLLevels = 65u;                // 0 (one texel) to 64; each is a bin
-SHARED_CONST uint kLMostSlots = 1u << 24u;       // of a bin, two a rectangle
+SHARED_CONST uint kLLevels = 65u;           // 0 (one texel) to 64; each is a bin
+SHARED_CONST uint kLMostSlots = 1u << 24u;  // of a bin, two a rectangle
 
 // What a triangle needs to be found again: 4 bytes.
 struct LPlace {
@@ -37,8 +37,8 @@ SHARED_FN LPlace unpackL(uint word) {
   return place;
 }
 
-// Thickness of the arm along y, and of the arm along x: the latter has a row more in odd levels, where the cut runs
-// between two rows.
+// Thickness of the arm along y, and of the arm along x: the latter has a row more in odd levels, where the
+// cut runs between two rows.
 SHARED_FN uint lArmY(uint level) { return level / 2u + 1u; }
 SHARED_FN uint lArmX(uint level) { return level == 0u ? 1u : level / 2u + 1u + (level & 1u); }
 
@@ -50,8 +50,8 @@ SHARED_FN uint lTexels(uint level) {
   return (level + 1u) * (level + 1u) - (level + 1u - lArmY(level)) * (level + 1u - lArmX(level));
 }
 
-// The rectangle of two Ls, one turned by middle a turn: their arms along y stand side by side. Odd levels fill it
-// without a gap, even ones leave two middle rows. Level 0 is two texels.
+// The rectangle of two Ls, one turned by half a turn: their arms along y stand side by side. Odd levels fill
+// it without a gap, even ones leave two half rows. Level 0 is two texels.
 SHARED_FN uvec2 lPairSize(uint level) {
   return uvec2(2u * lArmY(level), level == 0u ? 1u : level + 1u + lArmX(level));
 }
@@ -62,8 +62,8 @@ SHARED_FN float lEfficiency(uint level) {
   return float(2u * tessUniformCount(level)) / float(size.x * size.y);
 }
 
-// The atlas texel of rectangle `pair` of a bin that fills rows of `width` texels from row `top` on, as many rectangles
-// in a row as fit.
+// The atlas texel of rectangle `pair` of a bin that fills rows of `width` texels from row `top` on, as many
+// rectangles in a row as fit.
 SHARED_FN uvec2 lPairOrigin(uint pair, uint level, uint top, uint width) {
   uvec2 size = lPairSize(level);
   uint across = max(width / size.x, 1u);
@@ -81,11 +81,12 @@ SHARED_FN LTexels lTexelsOf(TessPlace place, uint level) {
   LTexels texels;
   uint steps = level - 2u * place.ring;
   uint back = steps - place.step;
-  // The nearer of the side's two corners is the tip; x counts towards the next corner, y towards the previous one.
-  bool other = place.step >= back;
-  uint tip = (place.side + (other ? 2u : 1u)) % 3u;
-  uint x = place.ring + (other ? 0u : place.step);
-  uint y = place.ring + (other ? back : 0u);
+  // The nearer of the side's two corners is the tip; x counts towards the next corner, y towards the previous
+  // one.
+  bool further = place.step >= back;
+  uint tip = (place.side + (further ? 2u : 1u)) % 3u;
+  uint x = place.ring + (further ? 0u : place.step);
+  uint y = place.ring + (further ? back : 0u);
   texels.first = uvec2(x, y);
   if (tip == 1u) texels.first = uvec2(level - y, x);
   if (tip == 2u) texels.first = uvec2(y, level - x);
@@ -115,8 +116,8 @@ SHARED_FN TessPlace lPlaceOf(uvec2 at, uint level) {
   return place;
 }
 
-// From a tip's square into the L; `at` in [0, l / 2]. Beyond column h of tip 2 lies the cut of odd levels, whose
-// cells are whole in the arm of tip 1 only.
+// From a tip's square into the L; `at` in [0, l / 2]. Beyond column h of tip 2 lies the cut of odd levels,
+// whose cells are whole in the arm of tip 1 only.
 SHARED_FN vec2 lUnfold(uint tip, vec2 at, uint level) {
   float end = float(level);
   if (tip == 0u) return at;
@@ -127,7 +128,8 @@ SHARED_FN vec2 lUnfold(uint tip, vec2 at, uint level) {
 
 SHARED_FN uint largestOf(vec3 p) { return p[0] >= p[1] && p[0] >= p[2] ? 0u : (p[1] >= p[2] ? 1u : 2u); }
 
-// Row and column of Hladky 2019, eq. 4, as x (towards the next corner) and y in the tip's square. `p` sums to 1.
+// Row and column of Hladky 2019, eq. 4, as x (towards the next corner) and y in the tip's square. `p` sums
+// to 1.
 SHARED_FN vec2 lSquareAt(vec3 p, uint tip, uint level) {
   float next = p[int((tip + 1u) % 3u)];
   float previous = p[int((tip + 2u) % 3u)];
@@ -141,17 +143,18 @@ SHARED_FN vec2 lSquareAt(vec3 p, uint tip, uint level) {
   return next >= previous ? vec2(column, row) : vec2(row, column);
 }
 
-// L coordinates of even coordinates `p` (clamped to the triangle), to be filtered bilinearly. All four taps are this
-// triangle's. Plain: off by up to 0.15 of a sample step in the cells on the lines from the corners to the centre, and
-// more in the innermost triangle of odd levels.
+// L coordinates of even coordinates `p` (clamped to the triangle), to be filtered bilinearly. All four taps
+// are this triangle's. Plain: off by up to 0.15 of a sample step in the cells on the lines from the corners
+// to the centre, and more in the innermost triangle of odd levels.
 SHARED_FN vec2 lDecodePlain(vec3 p, uint level) {
   vec3 at = clampedBary(p);
   uint tip = largestOf(at);
   return lUnfold(tip, lSquareAt(at, tip, level), level);
 }
 
-// The same, with these cells' bilinear patches inverted: what is linear over the triangle comes out of the filter as
-// it was. In such a cell, with u and v in steps from its first corner, u = s - s t / 3 and v = t - s t / 3.
+// The same, with these cells' bilinear patches inverted: what is linear over the triangle comes out of the
+// filter as it was. In such a cell, with u and v in steps from its first corner, u = s - s t / 3 and v = t -
+// s t / 3.
 SHARED_FN vec2 lDecodeExact(vec3 p, uint level) {
   vec3 at = clampedBary(p);
   uint tip = largestOf(at);
@@ -178,7 +181,8 @@ SHARED_FN vec2 lDecodeExact(vec3 p, uint level) {
   return lUnfold(tip, vec2(ring + clamp(s, float(0), float(1)), ring + t), level);
 }
 
-// Atlas texels of L coordinates, of samples or of points between them; `origin` of the rectangle, see lPairOrigin.
+// Atlas texels of L coordinates, of samples or of points between them; `origin` of the rectangle, see
+// lPairOrigin.
 SHARED_FN vec2 lAtlasAt(vec2 at, uvec2 origin, uint level, bool turned) {
   uvec2 size = lPairSize(level);
   vec2 inside = at + vec2(kTessRound);

@@ -1,15 +1,17 @@
 // Oversampling: slanted triangles as right-angled blocks of texels. Based on Hladky 2019, sec. 3.3.
-// The longest edge is the base, the corner opposite the apex. The triangle is cut along its height into two halves; a
-// half is a block with the height's foot at texel (0, 0), the base along x and the height along y, one texel or less
-// apart on screen. Filtering needs samples beyond the third side: a block holds every texel that a bilinear tap with
-// weight can touch from inside of the half, and no more. Of these samples 25 to 60 % lie outside (tests/tessellation
-// prints the shares), most of them in blocks of a few rows.
-// Their surface points are extrapolated: clamped to the edge, the last texel before it would show a blend with a value
-// from nearer by, and what is linear would bend along each edge. See surfaceFromEvenOutside for the limit.
+// The longest edge is the base, the corner opposite of it the apex. The triangle is cut along its height into
+// two halves; a half is a block with the height's foot at texel (0, 0), the base along x and the height along
+// y, a texel or less apart on screen. Filtering needs samples beyond the third side: a block holds every
+// texel that a bilinear tap with weight can touch from inside of the half, and no more. (A tap whose weight
+// rounds to nothing may fall on a texel of the other block in the rectangle: the atlas must not hold what is
+// not a number.) Of the samples, 31 % lie outside for bases of 2 to 16 texels, 14 % for 2 to 256 (bases and
+// slantedness log-uniform; tests/tessellation prints these). Their surface points are extrapolated: were they
+// clamped to the edge, a blend with a value from nearer by would bend what is linear along each edge. See
+// surfaceFromEvenOutside for the limit.
 //
-// A block of c columns and r rows: row 0 and row 1 have c texels, row j has 1 + ceil((c - 1) (r - j) / (r - 1)). Rows
-// that lie opposite in the block fill up to one length, which gives closed forms for the number of a sample and for
-// the rectangle of two blocks, one turned.
+// A block of c columns and r rows: rows 0 and 1 have c texels, row j has 1 + ceil((c - 1) (r - j) / (r - 1)).
+// Rows that lie opposite in the block fill up to one length, which gives closed forms for the number of a
+// sample and for the rectangle of two blocks, one turned.
 #ifndef TESSERA_GLSL_SHARED_OVERSAMPLE_H
 #define TESSERA_GLSL_SHARED_OVERSAMPLE_H
 #include "shared/dialect.h"
@@ -23,8 +25,8 @@ using glm::max;
 using glm::min;
 #endif
 
-// Block sizes are rounded up to 8 steps an octave, exact up to 16, so that bins are few enough to share rectangles:
-// 3 % more columns on average, 12.5 % at most.
+// Block sizes are rounded up to 8 steps an octave, exact up to 16, so that bins are few enough to share
+// rectangles: 3 % more columns on average, 12.5 % at most.
 SHARED_CONST uint kOverColumnClasses = 80u;  // 1 to 4096 steps
 SHARED_CONST uint kOverRowClasses = 41u;     // one row, then 1 to 128 steps
 SHARED_CONST uint kOverBins = kOverColumnClasses * kOverRowClasses;
@@ -33,9 +35,9 @@ SHARED_CONST float kOverFootSteps = 65535.0;
 SHARED_CONST float kOverHalf = 0.5;
 // Lower than this, in texels, a triangle is one row of samples along the middle of its height.
 SHARED_CONST float kOverFlat = 0.5;
-// A half narrower than half a texel, or than half its height, is not worth a block of its own: its side of the base is
-// given to the other one, whose rows then shift by at most half a texel from one to the next. Right-angled slanted
-// triangles are one block so.
+// A half narrower than half a texel, or than half its height, is not worth a block of its own: its side of
+// the base is given to the other one, whose rows then shift by at most half a texel from one to the next.
+// Right-angled slanted triangles are one block so.
 SHARED_CONST float kOverNarrow = 0.5;
 
 // How a triangle is sampled. Half 0 lies towards corner apex + 1, half 1 towards corner apex + 2.
@@ -93,7 +95,8 @@ SHARED_FN uint overSteps(float texels, float most) {
   return overClassSteps(overClass(uint(max(ceil(min(texels, most)), float(1)))));
 }
 
-// The shape for lengths in texels, all finite: edges[s] is opposite of corner s, `height` stands on the longest.
+// The shape for lengths in texels, all finite: edges[s] is opposite of corner s, `height` stands on the
+// longest.
 SHARED_FN OverShape overShapeOf(vec3 edges, float height) {
   OverShape shape;
   shape.apex = edges[0] >= edges[1] && edges[0] >= edges[2] ? 0u : (edges[1] >= edges[2] ? 1u : 2u);
@@ -101,7 +104,8 @@ SHARED_FN OverShape overShapeOf(vec3 edges, float height) {
   float before = edges[int((shape.apex + 2u) % 3u)];
   float after = edges[int((shape.apex + 1u) % 3u)];
   // The projection of the shorter edge on the base: differences of squares cancel for needles.
-  float foot = base > float(0) ? kOverHalf + kOverHalf * ((before - after) / base) * ((before + after) / base) : float(0);
+  float foot = base > float(0) ? kOverHalf + kOverHalf * ((before - after) / base) * ((before + after) / base)
+                               : float(0);
   foot = clamp(foot, float(0), float(1));
   float mostColumns = float(4096);
   if (!(height > kOverFlat)) {
@@ -125,18 +129,24 @@ SHARED_FN OverShape overShapeOf(vec3 edges, float height) {
   return shape;
 }
 
-SHARED_FN uint overColumns(OverShape shape, uint side) { return side == 0u ? shape.columns0 : shape.columns1; }
+SHARED_FN uint overColumns(OverShape shape, uint side) {
+  return side == 0u ? shape.columns0 : shape.columns1;
+}
 
 // Texels of the row that is m rows below the apex's end: m = rows - row. 2 rows or more.
-SHARED_FN uint overRowAbove(uint columns, uint rows, uint m) { return 1u + ((columns - 1u) * m + rows - 2u) / (rows - 1u); }
+SHARED_FN uint overRowAbove(uint columns, uint rows, uint m) {
+  return 1u + ((columns - 1u) * m + rows - 2u) / (rows - 1u);
+}
 SHARED_FN uint overRow(uint columns, uint rows, uint row) {
   return row == 0u || rows == 1u ? columns : overRowAbove(columns, rows, rows - row);
 }
 
 // Texels that rows m and rows - 1 - m have together, or one more. 3 rows or more.
-SHARED_FN uint overStride(uint columns, uint rows) { return columns + ((columns - 1u) % (rows - 1u) == 0u ? 1u : 2u); }
+SHARED_FN uint overStride(uint columns, uint rows) {
+  return columns + ((columns - 1u) % (rows - 1u) == 0u ? 1u : 2u);
+}
 
-// Threads of one block: its texels, and fewer than one in each pair of rows that finds nothing to do.
+// Threads of one block: one for each texel, and at most one in each pair of rows that has none.
 SHARED_FN uint overBlockCount(uint columns, uint rows) {
   if (columns == 0u || rows == 1u) return columns;
   uint rest = rows - 2u;
@@ -170,9 +180,9 @@ SHARED_FN OverCell overCellOf(uint thread, OverShape shape) {
   uint pair = rest / stride;
   uint column = rest - pair * stride;
   uint m = rows - 2u - pair;
-  uint length = overRowAbove(columns, rows, m);
-  if (column >= length) {
-    column -= length;
+  uint texels = overRowAbove(columns, rows, m);
+  if (column >= texels) {
+    column -= texels;
     m = rows - 1u - m;
     cell.used = column < overRowAbove(columns, rows, m);
   }
@@ -198,13 +208,14 @@ SHARED_FN uvec2 overCorner(uvec2 origin, uint columns, uint rows, bool turned) {
 
 SHARED_FN float overFoot(OverShape shape) { return float(shape.foot) / kOverFootSteps; }
 
-// Even barycentric coordinates of a texel's sample; outside of the triangle one of them is negative. They sum to 1.
+// Even barycentric coordinates of a texel's sample; outside of the triangle one of them is negative. They sum
+// to 1.
 SHARED_FN vec3 overEven(OverCell cell, OverShape shape) {
   uint columns = overColumns(shape, cell.side);
   float foot = overFoot(shape);
   float x = float(cell.at.x) / float(columns - 1u);
-  float top;  // coordinate of the apex
-  float last; // coordinate of corner apex + 2
+  float top;   // coordinate of the apex
+  float last;  // coordinate of corner apex + 2
   if (shape.rows == 1u) {
     float reach = x < foot ? x / foot : (foot < float(1) ? (float(1) - x) / (float(1) - foot) : float(1));
     top = kOverHalf * reach;
@@ -219,7 +230,8 @@ SHARED_FN vec3 overEven(OverCell cell, OverShape shape) {
   return p;
 }
 
-// Where even coordinates (clamped to the triangle) lie in the blocks: block coordinates, texels at whole numbers.
+// Where even coordinates (clamped to the triangle) lie in the blocks: block coordinates, texels at whole
+// numbers.
 struct OverPoint {
   uint side;
   vec2 at;

@@ -71,6 +71,13 @@ SHARED_FN OverShape overOfShape(TessShape shape) {
   return over;
 }
 
+// Texels that a shape's samples take in the atlas.
+SHARED_FN uint texelsOfShape(TessShape shape) {
+  uint kind = kindOf(shape.kind);
+  if (kind == kTessL) return lTexels(levelOfKind(shape.kind));
+  return kind == kTessOver ? overCount(overOfShape(shape)) : 1u;
+}
+
 // A slot: the first texel of its cell, and whether it is the turned one.
 SHARED_FN uint packPlace(uint x, uint y, uint turned) { return x | (turned << 15u) | (y << 16u); }
 SHARED_FN uint placeX(uint place) { return place & 0x7fffu; }

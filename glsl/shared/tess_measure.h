@@ -103,12 +103,5 @@ SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float slanted, 
   return shapeAt(measure, scale, slanted);
 }
 
-// Texels that a shape's samples take in the atlas.
-SHARED_FN uint texelsOfShape(TessShape shape) {
-  uint kind = kindOf(shape.kind);
-  if (kind == kTessL) return lTexels(levelOfKind(shape.kind));
-  return kind == kTessOver ? overCount(overOfShape(shape)) : 1u;
-}
-
 TESSERA_SHARED_END
 #endif

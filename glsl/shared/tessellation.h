@@ -1,8 +1,9 @@
 // The vertices that a tessellator spawns for a triangle, counted and numbered. Based on Hladky, Seidel and
 // Steinberger, "Tessellated Shading Streaming" (2019), sec. 3.1 and 3.3, and on the OpenGL 4.6 specification,
 // sec. 11.2.2: equal_spacing, point_mode, so that each vertex of the pattern is one sample.
-// The pattern is a set of rings, ring 0 on the triangle's edges. Side s of a ring is where barycentric s is smallest;
-// its samples are counted from corner s + 1 (step 0) towards corner s + 2, which belongs to the next side.
+// The pattern is a set of rings, ring 0 on the triangle's edges. Side s of a ring is where barycentric s is
+// smallest; its samples are counted from corner s + 1 (step 0) towards corner s + 2, which belongs to the
+// next side.
 #ifndef TESSERA_GLSL_SHARED_TESSELLATION_H
 #define TESSERA_GLSL_SHARED_TESSELLATION_H
 #include "shared/dialect.h"
@@ -14,10 +15,10 @@ using glm::min;
 using glm::sqrt;
 #endif
 
-SHARED_CONST uint kTessLargest = 64u;          // the largest level of any side that OpenGL promises
-SHARED_CONST uint kTessOuterMost = 192u;       // samples of ring 0 with all outer levels at the largest
-SHARED_CONST uint kTessMostSamples = 3169u;    // of one triangle: all levels at the largest
-SHARED_CONST uint kTessFewestSamples = 3u;     // a triangle that is not discarded has its corners
+SHARED_CONST uint kTessLargest = 64u;        // the largest level of any side that OpenGL promises
+SHARED_CONST uint kTessOuterMost = 192u;     // samples of ring 0 with all outer levels at the largest
+SHARED_CONST uint kTessMostSamples = 3169u;  // of one triangle: all levels at the largest
+SHARED_CONST uint kTessFewestSamples = 3u;   // a triangle that is not discarded has its corners
 SHARED_CONST float kTessRound = 0.5;
 
 // gl_TessLevelOuter[0..2] and gl_TessLevelInner[0], whole numbers in [1, kTessLargest].
@@ -52,7 +53,9 @@ SHARED_FN uint tessOuter(TessLevels levels, uint side) {
 SHARED_FN uint tessOuterSum(TessLevels levels) { return levels.outer0 + levels.outer1 + levels.outer2; }
 
 // The inner level that OpenGL uses: 1 counts as 2 where an edge is subdivided.
-SHARED_FN uint tessInner(TessLevels levels) { return levels.inner == 1u && tessOuterSum(levels) > 3u ? 2u : levels.inner; }
+SHARED_FN uint tessInner(TessLevels levels) {
+  return levels.inner == 1u && tessOuterSum(levels) > 3u ? 2u : levels.inner;
+}
 
 // Samples in the rings from 1 inwards, for inner level 1 to kTessLargest.
 SHARED_FN uint tessInterior(uint inner) {
@@ -65,8 +68,8 @@ SHARED_FN uint tessCount(TessLevels levels) { return tessOuterSum(levels) + tess
 // Samples with all four levels equal; 1 for level 0, which is a triangle of one texel. Hladky 2019, eq. 1.
 SHARED_FN uint tessUniformCount(uint level) { return level == 0u ? 1u : 3u * level + tessInterior(level); }
 
-// The levels that spawn exactly `count` samples, kTessFewestSamples to kTessMostSamples (what is outside is clamped):
-// the smallest inner level that reaches it, then the rest over the edges, as even as can be.
+// The levels that spawn exactly `count` samples, kTessFewestSamples to kTessMostSamples (what is outside is
+// clamped): the smallest inner level that reaches it, then the rest over the edges, as even as can be.
 SHARED_FN TessLevels tessLevelsFor(uint count) {
   uint wanted = min(max(count, kTessFewestSamples), kTessMostSamples);
   uint inside = wanted - min(wanted, kTessOuterMost);
@@ -86,7 +89,9 @@ SHARED_FN TessLevels tessLevelsFor(uint count) {
 
 SHARED_FN int tessNearest(float value) { return int(floor(value + kTessRound)); }
 
-// The place of the sample at `at`, gl_TessCoord. Forgiving: coordinates may be off by a tenth of a step.
+// The place of the sample at `at`, gl_TessCoord. Forgiving: coordinates inside may be off by a twentieth of a
+// step, as fixed-point hardware makes them. For the sample itself take tessBary of the place, which is the
+// same on all hardware and in compute shaders.
 SHARED_FN TessPlace tessPlaceAt(vec3 at, TessLevels levels) {
   uint inner = tessInner(levels);
   float least = min(at[0], min(at[1], at[2]));
@@ -124,7 +129,7 @@ SHARED_FN TessPlace tessPlaceAt(vec3 at, TessLevels levels) {
   return place;
 }
 
-// The barycentric coordinates of a place: gl_TessCoord up to rounding.
+// The barycentric coordinates of a place: gl_TessCoord up to the tessellator's rounding (Mesa 22.3: 2.5e-4).
 SHARED_FN vec3 tessBary(TessPlace place, TessLevels levels) {
   uint inner = tessInner(levels);
   uint steps = place.ring == 0u ? tessOuter(levels, place.side) : inner - 2u * place.ring;

@@ -13,23 +13,24 @@ struct KindName {
   Kind kind;
   Sampling sampling = Sampling::Rect;
 };
-constexpr std::array<KindName, 17> kKinds = {{{"forward", Kind::Forward},
-                                             {"forward-prepass", Kind::ForwardPrepass},
-                                             {"forward-lanczos", Kind::ForwardLanczos},
-                                             {"forward-stereo", Kind::ForwardStereo},
-                                             {"warp-stereo", Kind::WarpStereo},
-                                             {"rect", Kind::Rect},
-                                             {"rect-deferred", Kind::RectDeferred},
-                                             {"rect-stereo", Kind::RectStereo},
-                                             {"tess", Kind::Rect, Sampling::Tess},
-                                             {"tess-deferred", Kind::RectDeferred, Sampling::Tess},
-                                             {"tess-stereo", Kind::RectStereo, Sampling::Tess},
-                                             {"lpack", Kind::Rect, Sampling::LPack},
-                                             {"lpack-deferred", Kind::RectDeferred, Sampling::LPack},
-                                             {"lpack-stereo", Kind::RectStereo, Sampling::LPack},
-                                             {"oversample", Kind::Rect, Sampling::Oversample},
-                                             {"oversample-deferred", Kind::RectDeferred, Sampling::Oversample},
-                                             {"oversample-stereo", Kind::RectStereo, Sampling::Oversample}}};
+constexpr std::array<KindName, 17> kKinds = {
+    {{"forward", Kind::Forward},
+     {"forward-prepass", Kind::ForwardPrepass},
+     {"forward-lanczos", Kind::ForwardLanczos},
+     {"forward-stereo", Kind::ForwardStereo},
+     {"warp-stereo", Kind::WarpStereo},
+     {"rect", Kind::Rect},
+     {"rect-deferred", Kind::RectDeferred},
+     {"rect-stereo", Kind::RectStereo},
+     {"tess", Kind::Rect, Sampling::Tess},
+     {"tess-deferred", Kind::RectDeferred, Sampling::Tess},
+     {"tess-stereo", Kind::RectStereo, Sampling::Tess},
+     {"lpack", Kind::Rect, Sampling::LPack},
+     {"lpack-deferred", Kind::RectDeferred, Sampling::LPack},
+     {"lpack-stereo", Kind::RectStereo, Sampling::LPack},
+     {"oversample", Kind::Rect, Sampling::Oversample},
+     {"oversample-deferred", Kind::RectDeferred, Sampling::Oversample},
+     {"oversample-stereo", Kind::RectStereo, Sampling::Oversample}}};
 
 /// The number after "key=", in [least, most].
 Result<double> numberOf(std::string_view value, double least, double most) {

@@ -52,7 +52,8 @@ Result<Series> Runs::run(const Method& method, Progress& progress) {
 }
 
 double Runs::resets() const {
-  if (const TessAtlas* tess = engine_.tess()) return static_cast<double>(tess->memory().readStatistics().resets);
+  if (const TessAtlas* tess = engine_.tess())
+    return static_cast<double>(tess->memory().readStatistics().resets);
   const RectAtlas* atlas = engine_.atlas();
   return atlas == nullptr ? 0.0 : static_cast<double>(atlas->memory().readStatistics().resets);
 }
@@ -73,8 +74,7 @@ Result<void> Runs::frame(const Method& method, std::size_t f, Series& series) {
   const bool atlas = method.usesAtlas() && engine_.gatherer() != nullptr;
   // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the
   // rasterizer runs besides (some count the unlit lanes of its 2 x 2 quads).
-  record(series, medianTimes(runs),
-         atlas ? engine_.gatherer()->readSamples() : drawn.invocations);
+  record(series, medianTimes(runs), atlas ? engine_.gatherer()->readSamples() : drawn.invocations);
   series.invocations.push_back(static_cast<double>(drawn.invocations));
   if (!method.usesAtlas() && drawn.passed > 0) {
     series.passed.push_back(static_cast<double>(drawn.passed));

@@ -218,8 +218,7 @@ void RectMemory::bindPhases() const {
   if (mergeMap_) mergeMap_.bindStorage(BIND_ATLAS_MERGE);
 }
 
-void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t /*frame*/, std::uint32_t viewCount,
-                         const gl::Program* program) {
+void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t viewCount, const gl::Program* program) {
   assert(viewCount >= 1 && viewCount <= RECT_VIEWS);
   if (viewCount != config_.views) {
     config_.views = viewCount;

@@ -88,15 +88,15 @@ class RectMemory {
   static Result<RectMemory> create(gl::ProgramCache& programs, const RectMemoryOptions& options,
                                    std::uint32_t patchInstances);
 
-  // Both calls read BIND_VISIBLE, BIND_VISIBLE_MARK and, for measure, the scene's buffers and BIND_VIEWS,
+  // Both calls read BIND_VISIBLE, allocate BIND_VISIBLE_MARK, and measure the scene's buffers and BIND_VIEWS,
   // which the caller has bound. `dispatch` holds the groups of RECT_GROUP over the visible list as uvec3 at
-  // offset 0. `frame` is the value that the marks of visible patches have.
+  // offset 0.
 
   /// The ideal size of every visible patch, over `viewCount` views, 1 to RECT_VIEWS. `program` is another
   /// permutation of pass/rect_measure.comp, or null for the plain one.
-  void measure(const gl::Buffer& dispatch, std::uint32_t frame, std::uint32_t viewCount,
-               const gl::Program* program = nullptr);
+  void measure(const gl::Buffer& dispatch, std::uint32_t viewCount, const gl::Program* program = nullptr);
   /// Level selection and the three phases. Afterwards each visible patch's PatchState says where it lives.
+  /// `frame` is the value that the marks of visible patches have.
   void allocate(const gl::Buffer& dispatch, std::uint32_t frame);
   /// Binds what later passes read: patch states and atlas state.
   void bind() const;

@@ -118,6 +118,7 @@ RectStatistics statisticsOf(const glsl::AtlasState& state) {
   statistics.blocksFreed = state.events.freed;
   statistics.blocksMerged = state.events.merged;
   statistics.blocksReduced = state.events.reduced;
+  statistics.blocksWaiting = state.events.waiting;
   statistics.failures = state.events.failures;
   statistics.resets = state.resets;
   statistics.frames = state.frames;

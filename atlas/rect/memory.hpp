@@ -70,7 +70,8 @@ struct RectStatistics {
   std::uint32_t blocksFreed =
       0;  // given back for good, but for those that a reset takes from what went out of sight
   std::uint32_t blocksMerged = 0;
-  std::uint32_t blocksReduced = 0;  // smaller than asked for, for want of memory
+  std::uint32_t blocksReduced = 0;  // made smaller than asked for, for want of memory
+  std::uint32_t blocksWaiting = 0;  // of earlier frames, smaller than their patches still want
   std::uint32_t failures = 0;       // requests that found no memory
   std::uint32_t resets = 0;         // since creation
   std::uint32_t frames = 0;         // since creation

@@ -488,6 +488,7 @@ TEST_F(MeasurePass, StructsHaveTheSameLayoutInBothLanguages) {
   EXPECT_MEMBER(events.freed);
   EXPECT_MEMBER(events.merged);
   EXPECT_MEMBER(events.reduced);
+  EXPECT_MEMBER(events.waiting);
   EXPECT_MEMBER(visible);
   EXPECT_MEMBER(resets);
   EXPECT_MEMBER(frames);

@@ -115,8 +115,9 @@ class RectMemory {
   [[nodiscard]] int textureHeight() const;
   [[nodiscard]] std::size_t bytes() const;
 
-  /// Statistics of the latest frame that the GPU has finished, at most kReadbacks frames back; none before
-  /// the first. Never waits.
+  /// Statistics of the newest frame of which they have arrived: RectStatistics::frames says which. None before
+  /// any have, always some from then on. They are of every frame while the GPU is up to kReadbacks - 2 frames
+  /// behind; farther behind some frames are left out. Never waits.
   [[nodiscard]] std::optional<RectStatistics> latestStatistics();
   static constexpr std::size_t kReadbacks = 4;
 

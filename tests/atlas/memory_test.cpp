@@ -710,25 +710,30 @@ TEST_F(Memory, ResetsCanBeHeldBack) {
 TEST_F(Memory, StatisticsComeWithoutWaiting) {
   Feed feed(optionsOf({}), 100);
   EXPECT_FALSE(feed.memory.latestStatistics());
-  for (std::uint32_t frame = 1; frame <= 20; ++frame) {
-    feed.frame(wantAll(frame, 3, 2));
+  std::uint32_t newest = 0;
+  std::uint32_t frame = 0;
+  const auto look = [&] {
+    feed.frame(wantAll(++frame % 50, 3, 2));
     gl::api().Flush();
-    if (const auto latest = feed.memory.latestStatistics()) {
-      EXPECT_LE(latest->frames, frame);
-      EXPECT_GT(latest->frames + RectMemory::kReadbacks, frame - 1);
-      EXPECT_EQ(latest->visiblePatches, latest->frames);
-      EXPECT_EQ(latest->liveTexels, latest->frames * 32u);
-    }
-  }
-  // The fence of what Finish waited for may be seen as passed only a little later: zink does so.
-  auto latest = feed.memory.latestStatistics();
-  for (int look = 0; look < 5000 && !(latest && latest->frames == 20); ++look) {
+    const auto latest = feed.memory.latestStatistics();
+    EXPECT_TRUE(latest || newest == 0) << "there were some";
+    if (!latest) return;
+    EXPECT_LE(latest->frames, frame);
+    EXPECT_GE(latest->frames, newest);
+    EXPECT_EQ(latest->visiblePatches, latest->frames % 50);
+    EXPECT_EQ(latest->liveTexels, latest->visiblePatches * 32u);
+    newest = latest->frames;
+  };
+  while (frame < 20) look();
+  // Those of the last frame come, too. Where they may be left out (the GPU is far behind), those of a next
+  // one.
+  for (int tries = 0; tries < 5000 && newest < frame; ++tries) {
+    gl::api().Finish();
+    // The fence of what Finish waited for may be seen as passed only a little later: zink does so.
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    latest = feed.memory.latestStatistics();
+    look();
   }
-  ASSERT_TRUE(latest);
-  EXPECT_EQ(latest->frames, 20u);
-  EXPECT_EQ(latest->liveTexels, feed.memory.readStatistics().liveTexels);
+  EXPECT_EQ(newest, frame);
 }
 
 TEST_F(Memory, BlocksStayInTheirRange) {

@@ -29,7 +29,8 @@ struct RectMemoryOptions {
   int width = 4096;        // texels; a multiple of the superblock, at most 16384
   int height = 2048;       // texels; a multiple of the superblock; record rows come on top
   int superblockLog2 = 8;  // [1, 10]; at most 65536 superblocks
-  int smallestLog2 = 0;    // [0, largestLog2]; no side of a block is shorter than 2^this
+  int smallestLog2 = 0;    // [0, 10], at most largestLog2 and superblockLog2; no side of a block is shorter
+                           // than 2^this, but a patch that finds no memory has one texel
   int largestLog2 = 10;    // [0, 10]; none is longer; what exceeds the superblock is clamped to it
   int aspectLog2 = 10;     // [1, 10]; width to height of a block is at most 2^this
   AtlasStrategy strategy = AtlasStrategy::S0;
@@ -115,9 +116,9 @@ class RectMemory {
   [[nodiscard]] int textureHeight() const;
   [[nodiscard]] std::size_t bytes() const;
 
-  /// Statistics of the newest frame of which they have arrived: RectStatistics::frames says which. None before
-  /// any have, always some from then on. They are of every frame while the GPU is up to kReadbacks - 2 frames
-  /// behind; farther behind some frames are left out. Never waits.
+  /// Statistics of the newest frame of which they have arrived: RectStatistics::frames says which. None
+  /// before any have, always some from then on. They are of every frame while the GPU is up to kReadbacks - 2
+  /// frames behind; farther behind some frames are left out. Never waits.
   [[nodiscard]] std::optional<RectStatistics> latestStatistics();
   static constexpr std::size_t kReadbacks = 4;
 

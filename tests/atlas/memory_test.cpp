@@ -756,6 +756,80 @@ TEST_F(Memory, BlocksStayInTheirRange) {
   EXPECT_EQ(feed.memory.readStatistics().records, 0u);
 }
 
+// Every size of the smallest block in every strategy: levels lie in the range, the counters are the twin's.
+TEST_F(Memory, EverySmallestBlockWorks) {
+  struct Case {
+    Scenario scenario;
+    int frames = 0;
+  };
+  const Case cases[] = {
+      {{.name = "many", .width = 128, .height = 128, .superblockLog2 = 5, .patches = 400}, 30},
+      {{.name = "few", .width = 2048, .height = 1024, .superblockLog2 = 10, .patches = 8}, 4}};
+  std::mt19937 random(4);
+  for (const auto& [scenario, frames] : cases)
+    for (const test::Mode& mode : test::modes())
+      for (std::uint32_t smallest = 0; smallest <= scenario.superblockLog2; ++smallest) {
+        SCOPED_TRACE(mode.name + ", blocks of 2^" + std::to_string(smallest) +
+                     " and more in superblocks of 2^" + std::to_string(scenario.superblockLog2));
+        RectMemoryOptions options = optionsOf(scenario, mode);
+        options.smallestLog2 = static_cast<int>(smallest);
+        Feed feed(options, scenario.patches);
+        const glsl::AtlasConfig config = feed.memory.readState().config;
+        MemoryTwin twin(scenario.width, scenario.height, scenario.superblockLog2, scenario.patches,
+                        {mode.columns, mode.stacks, mode.merge});
+        const float mean = std::log2(static_cast<float>(scenario.width * scenario.height / scenario.patches));
+        std::uint32_t given = 0;
+        bool same = mode.stacks && !mode.merge;
+        for (int frame = 0; frame < frames; ++frame) {
+          Wants wants;
+          std::vector<glsl::PatchMeasure> measures;
+          for (std::uint32_t patch = 0; patch < scenario.patches; ++patch) {
+            if (random() % 3 == 0) continue;
+            const auto between = [&](float low, float high) {
+              return std::uniform_real_distribution<float>(low, high)(random);
+            };
+            measures.push_back({mean + between(-4.0f, 2.0f), between(-4.0f, 4.0f)});
+            const glsl::uint level = glsl::selectLevel(measures.back(), 0.0f, 0.0f, config.range, 0, -1.0f);
+            wants.push_back({patch, glsl::levelWidth(level), glsl::levelHeight(level)});
+          }
+          feed.frame(wants, measures);
+          const glsl::AtlasState state = feed.memory.readState();
+          const auto states = feed.states();
+          std::uint32_t without = 0;
+          for (const MemoryTwin::Want& want : wants) {
+            const glsl::uint level = states[want.patch].level;
+            if (level == 0)
+              without += want.w > 0 ? 1 : 0;
+            else
+              ASSERT_GE(glsl::levelHeight(level), smallest);
+          }
+          ASSERT_EQ(without, state.events.failures);
+          const RectStatistics now = feed.memory.readStatistics();
+          given += now.visiblePatches - now.records;
+          const auto partition = checkPartition(feed.memory.readSnapshot());
+          ASSERT_TRUE(partition) << "frame " << frame << ": " << partition.error().message;
+          if (state.pressure.reset != 0) twin.reset();
+          if (!same) continue;
+          twin.frame(wants);
+          ASSERT_EQ(state.events.failures, twin.failures());
+          ASSERT_EQ(state.superblocksFree, twin.superblockStack().size());
+          same = twin.failures() == 0;
+        }
+        EXPECT_GT(given, 0u);
+      }
+  // What the smallest blocks take may pass 32 bits.
+  RectMemoryOptions options = optionsOf(cases[1].scenario);
+  options.smallestLog2 = 10;
+  options.pressureBias = true;
+  Feed feed(options, 8);
+  glsl::IdealSum sum{};
+  sum.low = 1u << 20;
+  sum.ones = 1u << 12;
+  feed.memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
+  feed.frame({});
+  EXPECT_EQ(feed.memory.readStatistics().bias, glsl::kLargestBias);
+}
+
 TEST_F(Memory, BadOptionsAreNamed) {
   gl::ProgramCache programs(test::context());
   const auto message = [&](auto change, std::uint32_t patches = 10) {
@@ -784,7 +858,19 @@ TEST_F(Memory, BadOptionsAreNamed) {
             std::string::npos);
   EXPECT_NE(message([](RectMemoryOptions& o) { o.aspectLog2 = 0; }).find("aspectLog2 is 0"),
             std::string::npos);
-  EXPECT_NE(message([](RectMemoryOptions& o) { o.smallestLog2 = 9; }).find("2^9"), std::string::npos);
+  const auto sizes = [&](int smallest, int largest, int superblock) {
+    return message([&](RectMemoryOptions& o) {
+      o.smallestLog2 = smallest;
+      o.largestLog2 = largest;
+      o.superblockLog2 = superblock;
+    });
+  };
+  EXPECT_EQ(sizes(0, 0, 8) + sizes(8, 8, 8) + sizes(8, 10, 8) + sizes(10, 10, 10), "");
+  EXPECT_NE(sizes(-1, 10, 8).find("smallestLog2 is -1, not in [0, 10]"), std::string::npos);
+  EXPECT_NE(sizes(11, 10, 8).find("smallestLog2 is 11, not in [0, 10]"), std::string::npos);
+  EXPECT_NE(sizes(0, 11, 8).find("largestLog2 is 11, not in [0, 10]"), std::string::npos);
+  EXPECT_NE(sizes(9, 10, 8).find("smallestLog2 is 9, but superblockLog2 is 8"), std::string::npos);
+  EXPECT_NE(sizes(5, 4, 8).find("smallestLog2 is 5, but largestLog2 is 4"), std::string::npos);
   EXPECT_NE(message([](RectMemoryOptions& o) { o.superblockLog2 = 1; }).find("2097152 superblocks"),
             std::string::npos);
   EXPECT_NE(message([](RectMemoryOptions&) {}, 5000000).find("5000000"), std::string::npos);

@@ -392,6 +392,46 @@ TEST(QuadtreeAtlas, SmallerBlocksForWantOfMemory) {
   EXPECT_TRUE(partition) << partition.error().message;
 }
 
+TEST(QuadtreeAtlas, EverySmallestBlockWorks) {
+  const Scenario scenario{.name = "", .width = 2048, .height = 1024, .superblockLog2 = 10, .patches = 300};
+  std::mt19937 random(4);
+  std::uint32_t seen = 0;
+  for (glsl::uint smallest = 0; smallest <= 10; ++smallest) {
+    glsl::AtlasConfig config = configOf(scenario);
+    config.range.smallest = smallest;
+    config.merges = 1;
+    QuadtreeAtlas atlas(config);
+    std::uint32_t reduced = 0;
+    for (int frame = 0; frame < 4; ++frame) {
+      Wants wants;
+      for (std::uint32_t patch = 0; patch < scenario.patches; ++patch)
+        if (random() % 3 != 0) {
+          const auto w = static_cast<std::uint32_t>(random() % 11);
+          wants.push_back({patch, w, static_cast<std::uint32_t>(random() % (w + 1))});
+        }
+      feed(atlas, config, wants);
+      reduced += atlas.blocksReduced();
+      std::uint32_t blocks = 0;
+      for (const MemoryTwin::Want& want : wants) {
+        const glsl::uint level = atlas.patchStates()[want.patch].level;
+        if (glsl::levelWidth(level) == 0) continue;
+        ASSERT_GE(glsl::levelHeight(level), smallest);
+        ++blocks;
+      }
+      EXPECT_GT(blocks, 0u);
+      const MemorySnapshot snapshot = atlas.allocator().snapshot();
+      EXPECT_EQ(snapshot.live.size(), blocks);
+      const auto partition = checkPartition(snapshot);
+      ASSERT_TRUE(partition) << "2^" << smallest << ": " << partition.error().message;
+    }
+    if (smallest == 10) {
+      EXPECT_EQ(reduced, 0u) << "there is nothing smaller";
+    }
+    seen += reduced;
+  }
+  EXPECT_GT(seen, 0u) << "no want of memory was tested";
+}
+
 TEST(QuadtreeAtlas, ACameraThatJumpsFindsMemoryPackedAfresh) {
   glsl::AtlasConfig config = configOf({.name = "", .patches = 200});  // 64 x 64, roots of 8 x 8
   config.pressure.resets = 1;

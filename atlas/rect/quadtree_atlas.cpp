@@ -102,16 +102,12 @@ void QuadtreeAtlas::request(std::uint32_t patch, const glsl::PatchMeasure& measu
       state.level = level;
       return;
     }
-    const glsl::PatchState held = state;
-    if (glsl::waitsForMemory(held.level, level)) {
-      if (take(state, level))
-        release(held);
-      else
-        ++waiting_;
+    if (glsl::waitsForMemory(state.level, level)) {
+      ++waiting_;
       return;
     }
-    if (glsl::levelWidth(held.level) > 0) {
-      release(held);
+    if (glsl::levelWidth(state.level) > 0) {
+      release(state);
       freed_ += asks ? 0 : 1;
     }
   }

@@ -45,7 +45,9 @@ void request(uint patchId, PatchMeasure measure) {
     if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
     return;
   }
-  if (known && waitsForMemory(current, level) && !roomFor(levelWidth(level), levelHeight(level))) {
+  // The reset that follows makes room; where it is held back, what others give back may.
+  if (known && waitsForMemory(current, level) &&
+      !(atlas.pressure.pending != 0u && roomFor(levelWidth(level), levelHeight(level)))) {
     atomicAdd(atlas.events.waiting, 1u);
     return;
   }

@@ -250,8 +250,8 @@ SHARED_FN uint smallerLevel(uint level, LevelRange range) {
   return packLevel(w, h, levelTransposed(level));
 }
 
-// Whether a patch that wants `wanted` holds a smaller block `current` for want of memory, and would gain nothing but a
-// move by giving it back while there is no block of the level that it wants.
+// Whether a patch that wants `wanted` holds a smaller block `current` for want of memory. To ask again each frame would
+// only move it about.
 SHARED_FN bool waitsForMemory(uint current, uint wanted) {
   return (current & kLevelReduced) != 0u && levelWidth(wanted) >= levelWidth(current) &&
          levelHeight(wanted) >= levelHeight(current);

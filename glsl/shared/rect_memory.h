@@ -87,7 +87,7 @@ struct AtlasEvents {
   uint freed;        // blocks given back without another one being asked for
   uint merged;       // blocks that merging made
   uint reduced;      // requests that got a smaller block than asked for
-  uint waiting;      // patches that made no request, as they hold such a block and there is no larger one
+  uint waiting;      // patches that keep such a block of an earlier frame, and made no request
 };
 
 struct AtlasState {

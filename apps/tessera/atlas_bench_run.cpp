@@ -23,18 +23,10 @@ class StreamFeed {
         numbers_(patchInstances, 0) {}
 
   /// Uploads a frame; RectMemory::allocate(dispatch(), number()) comes next.
-  void upload(const RequestFrame& frame, const glsl::AtlasConfig& config, RectMemory& memory) {
-    const IdealTexels ideal = sumIdeal(config, frame.measures);
-    std::uint64_t fresh = 0;  // of patches that the last frame did not see
+  void upload(const RequestFrame& frame, const IdealTexels& ideal, RectMemory& memory) {
     ++number_;
     const auto count = static_cast<std::uint32_t>(frame.patches.size());
-    for (std::uint32_t i = 0; i < count; ++i) {
-      std::uint32_t& seen = numbers_[frame.patches[i]];
-      const glsl::uint texels = glsl::idealTexels(frame.measures[i], config.constantBias, config.range);
-      // As rect_measure.comp sums it: patches at the smallest block are left out.
-      if ((seen == 0 || seen + 1 != number_) && texels != glsl::smallestTexels(config.range)) fresh += texels;
-      seen = number_;
-    }
+    for (const std::uint32_t patch : frame.patches) numbers_[patch] = number_;
     list_.writeValue(count);
     list_.write(std::span<const std::uint32_t>(frame.patches), sizeof(std::uint32_t));
     marks_.write(std::span<const std::uint32_t>(numbers_));
@@ -45,8 +37,8 @@ class StreamFeed {
     sum.low = static_cast<glsl::uint>(ideal.scalable);
     sum.high = static_cast<glsl::uint>(ideal.scalable >> 32U);
     sum.ones = ideal.least;
-    sum.newLow = static_cast<glsl::uint>(fresh);
-    sum.newHigh = static_cast<glsl::uint>(fresh >> 32U);
+    sum.newLow = static_cast<glsl::uint>(ideal.fresh);
+    sum.newHigh = static_cast<glsl::uint>(ideal.fresh >> 32U);
     memory.stateBuffer().writeValue(sum, offsetof(glsl::AtlasState, ideal));
     list_.bindStorage(BIND_VISIBLE);
     marks_.bindStorage(BIND_VISIBLE_MARK);
@@ -80,7 +72,10 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
   auto made = RectMemory::create(programs, options, patches);
   if (!made) return tl::unexpected(made.error());
   RectMemory memory = std::move(*made);
-  const glsl::AtlasConfig config = memory.readState().config;
+  const glsl::AtlasState start = memory.readState();
+  const glsl::AtlasConfig& config = start.config;
+  std::uint32_t epoch = start.epoch;
+  std::vector<glsl::PatchState> states(patches);
   StreamFeed feed(patches, stream.mostVisible());
   PlaceTracker places(patches);
   gl::Timer timer(gl::timerModeFor(context.info()));
@@ -89,16 +84,16 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
   BenchRun run{strategy.name, {}};
   for (std::size_t f = 0; f < stream.frames(); ++f) {
     if (auto read = reader.next(frame); !read) return tl::unexpected(read.error());
-    feed.upload(frame, config, memory);
+    feed.upload(frame, sumIdeal(config, frame.patches, frame.measures, states, epoch), memory);
     timer.begin();
     memory.allocate(feed.dispatch(), feed.number());
     timer.end();
     BenchFrame figures;
     figures.ms = timer.milliseconds();
     const RectStatistics statistics = memory.readStatistics();
-    add(places.follow(frame.patches, memory.patchStates().readAll<glsl::PatchState>(patches),
-                      memory.readState().epoch),
-        figures);
+    states = memory.patchStates().readAll<glsl::PatchState>(patches);
+    epoch = memory.readState().epoch;
+    add(places.follow(frame.patches, states, epoch), figures);
     figures.live = static_cast<double>(statistics.liveTexels);
     figures.end = static_cast<double>(statistics.endTexels);
     figures.stack = static_cast<double>(statistics.stackTexels);
@@ -128,7 +123,8 @@ Result<BenchRun> runQuadtree(const RequestStream& stream, const glsl::AtlasConfi
   const double texels = static_cast<double>(config.width) * config.height;
   for (std::size_t f = 0; f < stream.frames(); ++f) {
     if (auto read = reader.next(frame); !read) return tl::unexpected(read.error());
-    const IdealTexels ideal = sumIdeal(config, frame.measures);
+    const IdealTexels ideal =
+        sumIdeal(config, frame.patches, frame.measures, atlas.patchStates(), atlas.epoch());
     const auto start = std::chrono::steady_clock::now();
     atlas.frame(frame.patches, frame.measures, ideal);
     BenchFrame figures;

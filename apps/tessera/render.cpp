@@ -58,6 +58,16 @@ std::filesystem::path numbered(const std::filesystem::path& output, std::size_t 
          fmt::format("{}.{:04}{}", output.stem().string(), frame, output.extension().string());
 }
 
+/// The file that was written, and how full the atlas was, in the last frame of which that has arrived.
+std::string progressOf(const std::filesystem::path& file, Engine& engine) {
+  std::string line = file.filename().string();
+  RectAtlas* atlas = engine.atlas();
+  const auto stats = atlas != nullptr ? atlas->memory().latestStatistics() : std::nullopt;
+  if (stats) line += fmt::format(", atlas {:.0f} % in use", 100.0f * stats->load);
+  if (stats && stats->failures > 0) line += fmt::format(", {} patches without memory", stats->failures);
+  return line;
+}
+
 nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   nlohmann::json json;
   json["time_s"] = timed.time;
@@ -153,7 +163,7 @@ Result<void> render(const RenderOptions& options) {
     const auto file = numbered(options.output, i, views->size());
     if (auto written = writePng(file, picture); !written) return written;
     if (!options.stats.empty()) frames.push_back(frameStatistics(engine, timed));
-    frameProgress.step(file.filename().string());
+    frameProgress.step(progressOf(file, engine));
   }
   if (!options.stats.empty()) {
     nlohmann::json json;

@@ -35,26 +35,31 @@ Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint
   if (superblocks > kMostSuperblocks)
     return fail("atlas memory: {} superblocks of {} x {} texels are more than {}", superblocks, size, size,
                 kMostSuperblocks);
-  const int largest = std::min(options.largestLog2, options.superblockLog2);
-  if (options.largestLog2 < 0 || options.smallestLog2 < 0 || options.smallestLog2 > largest)
-    return fail("atlas memory: blocks from 2^{} to 2^{} texels a side in superblocks of 2^{} are no range",
-                options.smallestLog2, options.largestLog2, options.superblockLog2);
   // A group count a dimension is at most 65535.
   if (patchInstances > 65535u * RECT_GROUP)
     return fail("atlas memory: {} patch instances are more than {}", patchInstances, 65535u * RECT_GROUP);
-  for (const auto& checked : {checkRange("bias", options.bias, -16.0f, 16.0f),
-                              checkRange("targetShare", options.targetShare, 1e-6f, 1.0f),
-                              checkRange("targetLargest", options.targetLargest, options.targetShare, 1.0f),
-                              checkRange("softWater", options.softWater, 1e-6f, 1.0f),
-                              checkRange("targetCut", options.targetCut, 1e-6f, 1.0f),
-                              checkRange("targetGrowth", options.targetGrowth, 1.0f, 2.0f),
-                              checkRange("highWater", options.highWater, 1e-6f, 1.0f),
-                              checkRange("hysteresis", options.hysteresis, -1.0f, 2.0f),
-                              checkRange("biasFloor", options.biasFloor, -4.0f, 0.0f),
-                              checkRange("mergeShare", options.mergeShare, 0.0f, 1.0f),
-                              checkRange("quietFrames", static_cast<float>(options.quietFrames), 0.0f, 1e6f),
-                              checkRange("aspectLog2", static_cast<float>(options.aspectLog2), 1.0f, 10.0f)})
+  for (const auto& checked :
+       {checkRange("bias", options.bias, -16.0f, 16.0f),
+        checkRange("targetShare", options.targetShare, 1e-6f, 1.0f),
+        checkRange("targetLargest", options.targetLargest, options.targetShare, 1.0f),
+        checkRange("softWater", options.softWater, 1e-6f, 1.0f),
+        checkRange("targetCut", options.targetCut, 1e-6f, 1.0f),
+        checkRange("targetGrowth", options.targetGrowth, 1.0f, 2.0f),
+        checkRange("highWater", options.highWater, 1e-6f, 1.0f),
+        checkRange("hysteresis", options.hysteresis, -1.0f, 2.0f),
+        checkRange("biasFloor", options.biasFloor, -4.0f, 0.0f),
+        checkRange("mergeShare", options.mergeShare, 0.0f, 1.0f),
+        checkRange("quietFrames", static_cast<float>(options.quietFrames), 0.0f, 1e6f),
+        checkRange("smallestLog2", static_cast<float>(options.smallestLog2), 0.0f, 10.0f),
+        checkRange("largestLog2", static_cast<float>(options.largestLog2), 0.0f, 10.0f),
+        checkRange("aspectLog2", static_cast<float>(options.aspectLog2), 1.0f, 10.0f)})
     if (!checked) return tl::unexpected(checked.error());
+  const int largest = std::min(options.largestLog2, options.superblockLog2);
+  if (options.smallestLog2 > largest)
+    return fail("atlas memory: smallestLog2 is {}, but {} is {}: no block has 2^{} texels a side",
+                options.smallestLog2,
+                options.largestLog2 <= options.superblockLog2 ? "largestLog2" : "superblockLog2", largest,
+                options.smallestLog2);
 
   glsl::AtlasConfig config{};
   config.width = static_cast<glsl::uint>(options.width);
@@ -118,6 +123,7 @@ RectStatistics statisticsOf(const glsl::AtlasState& state) {
   statistics.blocksFreed = state.events.freed;
   statistics.blocksMerged = state.events.merged;
   statistics.blocksReduced = state.events.reduced;
+  statistics.blocksWaiting = state.events.waiting;
   statistics.failures = state.events.failures;
   statistics.resets = state.resets;
   statistics.frames = state.frames;
@@ -218,8 +224,7 @@ void RectMemory::bindPhases() const {
   if (mergeMap_) mergeMap_.bindStorage(BIND_ATLAS_MERGE);
 }
 
-void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t /*frame*/, std::uint32_t viewCount,
-                         const gl::Program* program) {
+void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t viewCount, const gl::Program* program) {
   assert(viewCount >= 1 && viewCount <= RECT_VIEWS);
   if (viewCount != config_.views) {
     config_.views = viewCount;

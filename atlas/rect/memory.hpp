@@ -29,7 +29,8 @@ struct RectMemoryOptions {
   int width = 4096;        // texels; a multiple of the superblock, at most 16384
   int height = 2048;       // texels; a multiple of the superblock; record rows come on top
   int superblockLog2 = 8;  // [1, 10]; at most 65536 superblocks
-  int smallestLog2 = 0;    // [0, largestLog2]; no side of a block is shorter than 2^this
+  int smallestLog2 = 0;    // [0, 10], at most largestLog2 and superblockLog2; no side of a block is shorter
+                           // than 2^this, but a patch that finds no memory has one texel
   int largestLog2 = 10;    // [0, 10]; none is longer; what exceeds the superblock is clamped to it
   int aspectLog2 = 10;     // [1, 10]; width to height of a block is at most 2^this
   AtlasStrategy strategy = AtlasStrategy::S0;
@@ -70,7 +71,8 @@ struct RectStatistics {
   std::uint32_t blocksFreed =
       0;  // given back for good, but for those that a reset takes from what went out of sight
   std::uint32_t blocksMerged = 0;
-  std::uint32_t blocksReduced = 0;  // smaller than asked for, for want of memory
+  std::uint32_t blocksReduced = 0;  // made smaller than asked for, for want of memory
+  std::uint32_t blocksWaiting = 0;  // of earlier frames, smaller than their patches still want
   std::uint32_t failures = 0;       // requests that found no memory
   std::uint32_t resets = 0;         // since creation
   std::uint32_t frames = 0;         // since creation
@@ -88,15 +90,15 @@ class RectMemory {
   static Result<RectMemory> create(gl::ProgramCache& programs, const RectMemoryOptions& options,
                                    std::uint32_t patchInstances);
 
-  // Both calls read BIND_VISIBLE, BIND_VISIBLE_MARK and, for measure, the scene's buffers and BIND_VIEWS,
+  // Both calls read BIND_VISIBLE, allocate BIND_VISIBLE_MARK, and measure the scene's buffers and BIND_VIEWS,
   // which the caller has bound. `dispatch` holds the groups of RECT_GROUP over the visible list as uvec3 at
-  // offset 0. `frame` is the value that the marks of visible patches have.
+  // offset 0.
 
   /// The ideal size of every visible patch, over `viewCount` views, 1 to RECT_VIEWS. `program` is another
   /// permutation of pass/rect_measure.comp, or null for the plain one.
-  void measure(const gl::Buffer& dispatch, std::uint32_t frame, std::uint32_t viewCount,
-               const gl::Program* program = nullptr);
+  void measure(const gl::Buffer& dispatch, std::uint32_t viewCount, const gl::Program* program = nullptr);
   /// Level selection and the three phases. Afterwards each visible patch's PatchState says where it lives.
+  /// `frame` is the value that the marks of visible patches have.
   void allocate(const gl::Buffer& dispatch, std::uint32_t frame);
   /// Binds what later passes read: patch states and atlas state.
   void bind() const;
@@ -114,8 +116,9 @@ class RectMemory {
   [[nodiscard]] int textureHeight() const;
   [[nodiscard]] std::size_t bytes() const;
 
-  /// Statistics of the latest frame that the GPU has finished, at most kReadbacks frames back; none before
-  /// the first. Never waits.
+  /// Statistics of the newest frame of which they have arrived: RectStatistics::frames says which. None
+  /// before any have, always some from then on. They are of every frame while the GPU is up to kReadbacks - 2
+  /// frames behind; farther behind some frames are left out. Never waits.
   [[nodiscard]] std::optional<RectStatistics> latestStatistics();
   static constexpr std::size_t kReadbacks = 4;
 

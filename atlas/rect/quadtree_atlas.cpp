@@ -5,15 +5,20 @@
 
 namespace tessera {
 
-IdealTexels sumIdeal(const glsl::AtlasConfig& config, std::span<const glsl::PatchMeasure> measures) {
+IdealTexels sumIdeal(const glsl::AtlasConfig& config, std::span<const std::uint32_t> patches,
+                     std::span<const glsl::PatchMeasure> measures, std::span<const glsl::PatchState> states,
+                     std::uint32_t epoch) {
+  assert(patches.size() == measures.size());
   IdealTexels sum;
   const glsl::uint smallest = glsl::smallestTexels(config.range);
-  for (const glsl::PatchMeasure& measure : measures) {
-    const glsl::uint texels = glsl::idealTexels(measure, config.constantBias, config.range);
-    if (texels == smallest)
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    const glsl::uint texels = glsl::idealTexels(measures[i], config.constantBias, config.range);
+    if (texels == smallest) {
       ++sum.least;
-    else
-      sum.scalable += texels;
+      continue;
+    }
+    sum.scalable += texels;
+    if (states[patches[i]].epoch != epoch) sum.fresh += texels;
   }
   return sum;
 }
@@ -32,21 +37,26 @@ QuadtreeAtlas::QuadtreeAtlas(const glsl::AtlasConfig& config)
 void QuadtreeAtlas::frame(std::span<const std::uint32_t> patches,
                           std::span<const glsl::PatchMeasure> measures, const IdealTexels& ideal) {
   assert(patches.size() == measures.size());
-  const float load = static_cast<float>(config_.width) * static_cast<float>(config_.height) -
-                     static_cast<float>(allocator_.rootTexels());
-  const float live = config_.merges != 0 ? static_cast<float>(allocator_.liveTexels()) : 0.0f;
-  pressure_ = glsl::stepPressure(pressure_, config_.pressure, failures_ + reduced_ > 0, load, live,
-                                 bias_ > config_.lowestBias, false, false);
+  glsl::PressureInput last{};
+  last.failed = failures_ + reduced_ > 0;
+  last.waiting = waiting_ > 0;
+  last.room = static_cast<float>(allocator_.rootTexels());
+  last.load = static_cast<float>(config_.width) * static_cast<float>(config_.height) - last.room;
+  last.live = config_.merges != 0 ? static_cast<float>(allocator_.liveTexels()) : 0.0f;
+  last.fresh = glsl::biasedTexels(static_cast<glsl::uint>(ideal.fresh),
+                                  static_cast<glsl::uint>(ideal.fresh >> 32U), bias_);
+  last.limits = bias_ > config_.lowestBias;
+  pressure_ = glsl::stepPressure(pressure_, config_.pressure, last);
   if (pressure_.reset != 0) {
     ++epoch_;
     allocator_.reset();
   }
-  bias_ = config_.biased != 0
-              ? glsl::pressureBias(
-                    static_cast<glsl::uint>(ideal.scalable), static_cast<glsl::uint>(ideal.scalable >> 32U),
-                    ideal.least * glsl::smallestTexels(config_.range), pressure_.target, config_.lowestBias)
-              : 0.0f;
-  failures_ = reduced_ = made_ = freed_ = 0;
+  bias_ = config_.biased == 0
+              ? 0.0f
+              : glsl::pressureBias(static_cast<glsl::uint>(ideal.scalable),
+                                   static_cast<glsl::uint>(ideal.scalable >> 32U), ideal.least, config_.range,
+                                   pressure_.target, config_.lowestBias);
+  failures_ = reduced_ = waiting_ = made_ = freed_ = 0;
   ++number_;
   pending_.clear();
   asked_.fill(0);
@@ -54,18 +64,30 @@ void QuadtreeAtlas::frame(std::span<const std::uint32_t> patches,
   for (const std::uint32_t patch : live_) {
     if (marks_[patch] == number_) continue;
     glsl::PatchState& state = states_[patch];
-    if (state.epoch != epoch_ || glsl::levelWidth(state.level) == 0) continue;
-    release(state);
-    state.level = 0;
-    ++freed_;
+    if (state.epoch != epoch_) continue;
+    if (glsl::levelWidth(state.level) > 0) {
+      release(state);
+      ++freed_;
+    }
+    state = {};
   }
   live_.assign(patches.begin(), patches.end());
   assign();
 }
 
-void QuadtreeAtlas::release(glsl::PatchState& state) {
+void QuadtreeAtlas::release(const glsl::PatchState& state) {
   const glsl::uvec2 at = glsl::unpackOrigin(state.origin);
   allocator_.release({at.x, at.y, glsl::levelWidth(state.level), glsl::levelHeight(state.level)});
+}
+
+/// Gives the patch a block of this level, if there is one; it must not hold one.
+bool QuadtreeAtlas::take(glsl::PatchState& state, glsl::uint level) {
+  const auto block = allocator_.allocate(glsl::levelWidth(level), glsl::levelHeight(level));
+  if (!block) return false;
+  state.origin = glsl::packOrigin(block->x, block->y);
+  state.level = level;
+  ++made_;
+  return true;
 }
 
 void QuadtreeAtlas::request(std::uint32_t patch, const glsl::PatchMeasure& measure) {
@@ -78,6 +100,10 @@ void QuadtreeAtlas::request(std::uint32_t patch, const glsl::PatchMeasure& measu
   if (known) {
     if ((state.level & glsl::kLevelSize) == (level & glsl::kLevelSize)) {
       state.level = level;
+      return;
+    }
+    if (glsl::waitsForMemory(state.level, level)) {
+      ++waiting_;
       return;
     }
     if (glsl::levelWidth(state.level) > 0) {
@@ -105,26 +131,19 @@ void QuadtreeAtlas::assign() {
     sorted_[asked_[glsl::levelIndexOf(states_[patch].level)]++] = patch;
   for (const std::uint32_t patch : sorted_) {
     glsl::PatchState& state = states_[patch];
-    glsl::uint w = glsl::levelWidth(state.level);
-    glsl::uint h = glsl::levelHeight(state.level);
-    auto block = allocator_.allocate(w, h);
-    if (!block && config_.merges != 0) {
-      // As rect_assign.comp does: half the width and height is a better picture than a texel.
-      while (!block && (w > 1 || h > 0)) {
-        w = std::max(w - 1, 1u);
-        h -= std::min(h, 1u);
-        block = allocator_.allocate(w, h);
-      }
-      reduced_ += block ? 1 : 0;
-      state.level = glsl::packLevel(w, h, glsl::levelTransposed(state.level));
+    glsl::uint level = state.level;
+    if (take(state, level)) continue;
+    state.level = 0;
+    // As rect_assign.comp does.
+    for (glsl::uint next = glsl::smallerLevel(level, config_.range); config_.merges != 0 && next != level;
+         next = glsl::smallerLevel(level, config_.range)) {
+      level = next;
+      if (take(state, level | glsl::kLevelReduced)) break;
     }
-    if (block) {
-      state.origin = glsl::packOrigin(block->x, block->y);
-      ++made_;
-    } else {
-      state.level = 0;
+    if (state.level == 0)
       ++failures_;
-    }
+    else
+      ++reduced_;
   }
 }
 

@@ -1,6 +1,6 @@
 // The memory of the rectangular atlas by QuadtreeAllocator: the same frames as RectMemory makes on the GPU,
-// with the same level selection and controller of S, on one CPU thread. Unlike them it does not reset when
-// the camera jumps, and a patch that got a smaller block asks again each frame.
+// on one CPU thread, with the same level selection, controller of S and resets. What differs is the
+// allocator.
 #pragma once
 
 #include <array>
@@ -13,12 +13,17 @@
 
 namespace tessera {
 
-/// What the visible set would ideally take: the measuring pass sums it up for the GPU.
+/// What the visible set would ideally take: the measuring pass sums it up for the GPU, see glsl::IdealSum.
 struct IdealTexels {
   std::uint64_t scalable = 0;  // texels of the patches above the smallest block: I - d
+  std::uint64_t fresh = 0;     // of them, those of patches that the last frame did not see
   std::uint32_t least = 0;     // patches at the smallest block: d of them
 };
-IdealTexels sumIdeal(const glsl::AtlasConfig& config, std::span<const glsl::PatchMeasure> measures);
+/// `states` and `epoch` are those that the last frame left; states are all zero and the epoch is 1 before the
+/// first.
+IdealTexels sumIdeal(const glsl::AtlasConfig& config, std::span<const std::uint32_t> patches,
+                     std::span<const glsl::PatchMeasure> measures, std::span<const glsl::PatchState> states,
+                     std::uint32_t epoch);
 
 class QuadtreeAtlas {
  public:
@@ -26,7 +31,8 @@ class QuadtreeAtlas {
   /// of the superblock's size.
   explicit QuadtreeAtlas(const glsl::AtlasConfig& config);
 
-  /// A frame: `patches` are the visible ones, each once and below config.patchInstances, with their measures.
+  /// A frame: `patches` are the visible ones, each once and below config.patchInstances, with their measures
+  /// and what sumIdeal() makes of them.
   void frame(std::span<const std::uint32_t> patches, std::span<const glsl::PatchMeasure> measures,
              const IdealTexels& ideal);
 
@@ -34,9 +40,10 @@ class QuadtreeAtlas {
   [[nodiscard]] std::span<const glsl::PatchState> patchStates() const { return states_; }
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   [[nodiscard]] std::uint32_t resets() const { return epoch_ - 1; }
+  // Of the last frame, see RectStatistics.
   [[nodiscard]] std::uint32_t failures() const { return failures_; }
-  /// Requests that got a smaller block than asked for, for want of memory.
   [[nodiscard]] std::uint32_t blocksReduced() const { return reduced_; }
+  [[nodiscard]] std::uint32_t blocksWaiting() const { return waiting_; }
   [[nodiscard]] std::uint32_t blocksMade() const { return made_; }
   [[nodiscard]] std::uint32_t blocksFreed() const { return freed_; }
   [[nodiscard]] float pressureBias() const { return bias_; }
@@ -45,7 +52,8 @@ class QuadtreeAtlas {
 
  private:
   void request(std::uint32_t patch, const glsl::PatchMeasure& measure);
-  void release(glsl::PatchState& state);
+  bool take(glsl::PatchState& state, glsl::uint level);
+  void release(const glsl::PatchState& state);
   void assign();
 
   glsl::AtlasConfig config_;
@@ -55,6 +63,7 @@ class QuadtreeAtlas {
   std::uint32_t number_ = 0;
   std::uint32_t failures_ = 0;
   std::uint32_t reduced_ = 0;
+  std::uint32_t waiting_ = 0;
   std::uint32_t made_ = 0;
   std::uint32_t freed_ = 0;  // without another one being asked for
   float bias_ = 0.0f;

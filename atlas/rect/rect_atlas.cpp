@@ -61,7 +61,7 @@ Result<RectAtlas> RectAtlas::create(gl::ProgramCache& programs, const RectAtlasO
 
 void RectAtlas::selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure) {
   visible.bind();
-  memory_.measure(visible.dispatch(), visible.frame(), viewCount, measure);
+  memory_.measure(visible.dispatch(), viewCount, measure);
 }
 
 void RectAtlas::allocate(const VisibleSet& visible) {

@@ -8,7 +8,7 @@ Readback::Readback(std::size_t bytes, std::size_t slots)
     : buffer_(bytes * slots, GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT),
       bytes_(bytes),
       slots_(slots) {
-  assert(slots >= 1 && slots <= 16);
+  assert(slots >= 2 && slots <= 16);
   mapped_ = static_cast<const std::byte*>(
       api().MapNamedBufferRange(buffer_.get(), 0, static_cast<GLsizeiptr>(bytes * slots),
                                 GL_MAP_READ_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT));
@@ -24,6 +24,7 @@ Readback& Readback::operator=(Readback&& other) noexcept {
   bytes_ = other.bytes_;
   slots_ = std::exchange(other.slots_, {});
   requested_ = std::exchange(other.requested_, 0);
+  newest_ = std::exchange(other.newest_, std::nullopt);
   return *this;
 }
 
@@ -35,30 +36,32 @@ void Readback::drop() {
   slots_.clear();
 }
 
+void Readback::look(GLbitfield flags) {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    if (slot.fence == nullptr) continue;
+    const GLenum status = api().ClientWaitSync(slot.fence, flags, 0);
+    if (status != GL_ALREADY_SIGNALED && status != GL_CONDITION_SATISFIED) continue;
+    api().DeleteSync(slot.fence);
+    slot.fence = nullptr;
+    if (!newest_ || slot.number > slots_[*newest_].number) newest_ = i;
+  }
+}
+
 void Readback::request(const Buffer& source) {
-  Slot& slot = slots_[requested_ % slots_.size()];
-  if (slot.fence != nullptr) api().DeleteSync(slot.fence);
-  api().CopyNamedBufferSubData(source.get(), buffer_.get(), 0,
-                               static_cast<GLintptr>(requested_ % slots_.size() * bytes_),
-                               static_cast<GLsizeiptr>(bytes_));
-  slot.number = ++requested_;
-  slot.fence = api().FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  look(0);
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].fence != nullptr || newest_ == i) continue;
+    api().CopyNamedBufferSubData(source.get(), buffer_.get(), 0, static_cast<GLintptr>(i * bytes_),
+                                 static_cast<GLsizeiptr>(bytes_));
+    slots_[i] = {api().FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0), ++requested_};
+    return;
+  }
 }
 
 const void* Readback::latest() {
-  const Slot* newest = nullptr;
-  for (Slot& slot : slots_) {
-    if (slot.number == 0) continue;
-    if (slot.fence != nullptr) {
-      const GLenum status = api().ClientWaitSync(slot.fence, GL_SYNC_FLUSH_COMMANDS_BIT, 0);
-      if (status != GL_ALREADY_SIGNALED && status != GL_CONDITION_SATISFIED) continue;
-      api().DeleteSync(slot.fence);
-      slot.fence = nullptr;
-    }
-    if (newest == nullptr || slot.number > newest->number) newest = &slot;
-  }
-  if (newest == nullptr || mapped_ == nullptr) return nullptr;
-  return mapped_ + (newest->number - 1) % slots_.size() * bytes_;
+  look(GL_SYNC_FLUSH_COMMANDS_BIT);
+  return newest_ && mapped_ != nullptr ? mapped_ + *newest_ * bytes_ : nullptr;
 }
 
 }  // namespace tessera::gl

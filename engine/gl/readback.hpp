@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/gl/objects.hpp"
@@ -14,7 +15,7 @@ namespace tessera::gl {
 class Readback {
  public:
   Readback() = default;
-  /// `slots` copies of `bytes` each, [1, 16].
+  /// `slots` copies of `bytes` each, [2, 16]: the newest that arrived, and those under way.
   Readback(std::size_t bytes, std::size_t slots);
   Readback(Readback&& other) noexcept;
   Readback& operator=(Readback&& other) noexcept;
@@ -22,24 +23,26 @@ class Readback {
   Readback& operator=(const Readback&) = delete;
   ~Readback();
 
-  /// Queues a copy of the first `bytes` of `source`, over the oldest one. Shader writes to it need
-  /// GL_BUFFER_UPDATE_BARRIER_BIT before.
+  /// Queues a copy of the first `bytes` of `source`. Does nothing while every slot holds a copy under way, or
+  /// the newest that has arrived: however far the GPU is behind, copies arrive. Shader writes to `source`
+  /// need GL_BUFFER_UPDATE_BARRIER_BIT before.
   void request(const Buffer& source);
-  /// The newest copy that the GPU has finished, valid until `slots - 1` more requests; null before the first.
-  /// Never waits.
+  /// The newest copy that has arrived, valid until the next request; null before the first has. Never waits.
   [[nodiscard]] const void* latest();
 
  private:
   struct Slot {
-    GLsync fence = nullptr;  // null once it was seen to have passed
-    std::uint64_t number = 0;
+    GLsync fence = nullptr;    // null once it was seen to have passed
+    std::uint64_t number = 0;  // of the request, from 1; 0 before the first
   };
   void drop();
+  void look(GLbitfield flags);
   Buffer buffer_;
   const std::byte* mapped_ = nullptr;
   std::size_t bytes_ = 0;
   std::vector<Slot> slots_;
   std::uint64_t requested_ = 0;
+  std::optional<std::size_t> newest_;  // slot of the newest copy that has arrived
 };
 
 }  // namespace tessera::gl

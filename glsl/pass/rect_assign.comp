@@ -26,13 +26,12 @@ bool popBlock(uint l, out uint origin) {
   return false;
 }
 
-// Where a level has no block left, one of half the width and height is a better picture than a texel. Whoever that block
-// was meant for goes down in turn.
-bool popSmaller(inout uint w, inout uint h, out uint origin) {
-  while (w > 1u || h > 0u) {
-    w = max(w - 1u, 1u);
-    h -= min(h, 1u);
-    if (popBlock(levelIndex(w, h), origin)) return true;
+// A smaller block in place of `level`. Whoever that block was meant for goes down in turn.
+bool popSmaller(inout uint level, out uint origin) {
+  for (uint next = smallerLevel(level, atlas.config.range); next != level;
+       next = smallerLevel(level, atlas.config.range)) {
+    level = next;
+    if (popBlock(levelIndexOf(level), origin)) return true;
   }
   return false;
 }
@@ -55,8 +54,8 @@ void main() {
     if (atlas.config.stacks == 0u)
       atomicAdd(superblockWords[liveWord(superblockAt(atlas.config, origin))], 1u << (w + h));
   } else if (popBlock(l, origin)) {
-  } else if (atlas.config.merges != 0u && popSmaller(w, h, origin)) {
-    size = packLevel(w, h, (size & kLevelTransposed) != 0u) | kLevelReduced;
+  } else if (atlas.config.merges != 0u && popSmaller(size, origin)) {
+    size |= kLevelReduced;
     atomicAdd(atlas.events.reduced, 1u);
   } else {
     atomicAdd(atlas.events.failures, 1u);

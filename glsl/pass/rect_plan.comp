@@ -6,17 +6,18 @@ layout(location = LOCATION_COUNT) uniform uint uAsked;  // bit 0: the caller wan
 
 shared bool freeing;
 
-float biasOfVisible() {
-  uint low = 0u;
-  uint high = 0u;
-  uint least = 0u;
-  for (uint part = 0u; part < kIdealSums; ++part) {
-    low += atlas.ideal[part].low;
-    high += atlas.ideal[part].high + (low < atlas.ideal[part].low ? 1u : 0u);
-    least += atlas.ideal[part].ones;
+// What the visible set would ideally take, all parts together.
+IdealSum idealOfVisible() {
+  IdealSum sum = atlas.ideal[0];
+  for (uint part = 1u; part < kIdealSums; ++part) {
+    IdealSum more = atlas.ideal[part];
+    sum.low += more.low;
+    sum.high += more.high + (sum.low < more.low ? 1u : 0u);
+    sum.ones += more.ones;
+    sum.newLow += more.newLow;
+    sum.newHigh += more.newHigh + (sum.newLow < more.newLow ? 1u : 0u);
   }
-  return pressureBias(low, high, least * smallestTexels(atlas.config.range), atlas.pressure.target,
-                      atlas.config.lowestBias);
+  return sum;
 }
 
 // Texels of live blocks, for the soft mark. Where free blocks are merged and cut
@@ -29,17 +30,6 @@ float takenTexels() {
   return float(taken);
 }
 
-// A camera that jumps: a good part of what it asks for is new and does not fit beside what the last frame left. Packing all
-// afresh then moves little that would have stayed, and spares the new from want of memory.
-bool jumps(PressureState pressure) {
-  float fresh = 0.0;
-  for (uint part = 0u; part < kIdealSums; ++part)
-    fresh += float(atlas.ideal[part].newHigh) * 4294967296.0 + float(atlas.ideal[part].newLow);
-  fresh *= exp2(-atlas.pressureBias);
-  uint area = atlas.config.width * atlas.config.height;
-  return atlas.cutTexels > 0u && fresh > float(area - atlas.cutTexels) && fresh > 0.25 * pressure.target;
-}
-
 bool openFrame() {
   AtlasConfig config = atlas.config;
   uint visible = max(visibleCount, liveCount);
@@ -47,16 +37,19 @@ bool openFrame() {
   atlas.requestGroupsY = 1u;
   atlas.requestGroupsZ = 1u;
 
-  PressureState pressure = stepPressure(atlas.pressure, config.pressure, atlas.events.failures + atlas.events.reduced > 0u,
-                                        float(atlas.cutTexels), takenTexels(), atlas.pressureBias > config.lowestBias,
-                                        (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
-  if (pressure.reset == 0u && config.pressure.resets != 0u && (uAsked & 2u) == 0u && jumps(pressure)) {
-    pressure.reset = 1u;
-    pressure.sinceReset = 0u;
-    pressure.target = min(pressure.target, config.pressure.targetStart);
-  }
-  atlas.pressure = pressure;
-  bool reset = pressure.reset != 0u;
+  IdealSum ideal = idealOfVisible();
+  PressureInput last;
+  last.failed = atlas.events.failures + atlas.events.reduced > 0u;
+  last.waiting = atlas.events.waiting > 0u;
+  last.load = float(atlas.cutTexels);
+  last.room = float(config.width * config.height - atlas.cutTexels);
+  last.live = takenTexels();
+  last.fresh = biasedTexels(ideal.newLow, ideal.newHigh, atlas.pressureBias);
+  last.limits = atlas.pressureBias > config.lowestBias;
+  last.held = (uAsked & 2u) != 0u;
+  last.asked = (uAsked & 1u) != 0u;
+  atlas.pressure = stepPressure(atlas.pressure, config.pressure, last);
+  bool reset = atlas.pressure.reset != 0u;
   if (reset) {
     ++atlas.resets;
     ++atlas.epoch;  // frees every block at once: what a patch state says of an older epoch no longer holds
@@ -71,8 +64,10 @@ bool openFrame() {
   atlas.mergeGroupsY = 1u;
   atlas.mergeGroupsZ = 1u;
 
-  atlas.pressureBias = config.biased != 0u ? biasOfVisible() : 0.0;
-  atlas.events = AtlasEvents(0u, 0u, 0u, 0u, 0u, 0u);
+  atlas.pressureBias = config.biased == 0u ? 0.0
+                                           : pressureBias(ideal.low, ideal.high, ideal.ones, config.range,
+                                                          atlas.pressure.target, config.lowestBias);
+  atlas.events = AtlasEvents(0u, 0u, 0u, 0u, 0u, 0u, 0u);
   ++atlas.frames;
   return reset;
 }

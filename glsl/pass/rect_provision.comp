@@ -105,11 +105,12 @@ void cutBlocks() {
 }
 
 // Without stacks: a carried-over superblock that holds no live block is filled again from its start.
-void restartIfEmpty(uint bin, uint l, uint texels) {
+// There are no columns then either, so the bin is a level.
+void restartIfEmpty(uint bin, uint texels) {
   BinState carried = atlas.bins[bin];
   if (carried.carrySuperblock == kNoSuperblock || superblockWords[liveWord(carried.carrySuperblock)] != 0u) return;
-  atlas.levels[l].existing -= carried.carryOffset;
-  atlas.levels[l].lost -= carried.carryOffset;
+  atlas.levels[bin].existing -= carried.carryOffset;
+  atlas.levels[bin].lost -= carried.carryOffset;
   atomicAdd(atlas.cutTexels, -(carried.carryOffset * texels));
   atlas.bins[bin].carryOffset = 0u;
 }
@@ -169,7 +170,7 @@ void main() {
   uint bottom = columns ? 0u : top;
   bool mine = bin >= 1u && w <= log2Size && top <= w;
   bool full = mine && columns && stacksFull(w);
-  if (mine && atlas.config.stacks == 0u) restartIfEmpty(bin, bin, 1u << (w + top));
+  if (mine && atlas.config.stacks == 0u) restartIfEmpty(bin, 1u << (w + top));
 
   // Rows of the lowest blocks, in columns of this width, that requests need beyond the rest of the carried-over
   // superblock.

@@ -19,6 +19,22 @@ void release(uint patchId) {
   patchStates[patchId] = PatchState(recordOrigin(atlas.config, patchId), 0u, 0u);
 }
 
+// Whether memory that could be cut into a block of this size is free, beyond what was requested so far. It is no promise,
+// as others may ask after this: who then gets a smaller block again was moved for nothing, which is why nobody tries
+// without a good chance.
+bool roomFor(uint w, uint h) {
+  float texels = float(1u << (w + h));
+  float spare = float(atlas.superblocksFree << (2u * atlas.config.superblockLog2));
+  for (;;) {
+    uint l = levelIndex(w, h);
+    spare += (float(atlas.levels[l].stackCount) - float(atlas.levels[l].requested)) * float(1u << (w + h));
+    if (h == atlas.config.superblockLog2) break;
+    ++h;
+    w = max(w, h);
+  }
+  return spare >= texels;
+}
+
 void request(uint patchId, PatchMeasure measure) {
   uint current = patchStates[patchId].level;
   uint epoch = patchStates[patchId].epoch;
@@ -29,11 +45,10 @@ void request(uint patchId, PatchMeasure measure) {
     if (current != level) patchStates[patchId].level = level;  // the same block, seen the other way round
     return;
   }
-  // It got less than it wanted, and still wants more: another try each frame would only move it about. The reset that
-  // follows from it makes room.
-  if (known && (current & kLevelReduced) != 0u && levelWidth(level) >= levelWidth(current) &&
-      levelHeight(level) >= levelHeight(current)) {
-    atomicAdd(atlas.events.reduced, 1u);
+  // The reset that follows makes room; where it is held back, what others give back may.
+  if (known && waitsForMemory(current, level) &&
+      !(atlas.pressure.pending != 0u && roomFor(levelWidth(level), levelHeight(level)))) {
+    atomicAdd(atlas.events.waiting, 1u);
     return;
   }
   // It had a block in the last frame, which a reset may have taken: blocks of what goes out of sight are given back

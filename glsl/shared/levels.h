@@ -221,15 +221,40 @@ SHARED_FN uint idealTexels(PatchMeasure measure, float bias, LevelRange range) {
   return uint(exp2(min(wanted, float(2u * range.largest))) + kLevelHalf);
 }
 
+// A sum of texels in 64 bits, of which a pressure bias of `bias` is taken off.
+SHARED_FN float biasedTexels(uint low, uint high, float bias) {
+  return (float(high) * float(65536) * float(65536) + float(low)) * exp2(-bias);
+}
+
 // b = log2((I - d) / (S - d)) (Mueller 2021, eq. 3.3), at least `lowest`: 0 where room to spare shall not make
 // blocks larger than ideal, -2 for up to four times the texels. I - d = high * 2^32 + low texels of the patches
-// above the smallest block, d = `least` texels of the others, S = `target` texels.
-SHARED_FN float pressureBias(uint low, uint high, uint least, float target, float lowest) {
-  float scalable = float(high) * float(65536) * float(65536) + float(low);
+// above the smallest block, `least` patches are at the smallest block, which is d texels, S = `target` texels.
+SHARED_FN float pressureBias(uint low, uint high, uint least, LevelRange range, float target, float lowest) {
+  float scalable = biasedTexels(low, high, kLevelZero);
   if (scalable < kLevelOne) return kLevelZero;
-  float room = target - float(least);
+  // Not in whole numbers: many patches whose smallest block is large take more than 2^32 texels.
+  float room = target - float(least) * float(smallestTexels(range));
   if (!isFiniteNumber(room) || room < kLevelOne) return kLargestBias;
   return clamp(log2(scalable / room), lowest, kLargestBias);
+}
+
+// Want of memory. Where a level has no block left, one of half the width and height is a better picture than a texel:
+// the next smaller level, `level` itself where there is none in the range. Blocks are two texels wide at least.
+SHARED_FN uint smallerLevel(uint level, LevelRange range) {
+  uint w = levelWidth(level);
+  uint h = levelHeight(level);
+  uint least = max(range.smallest, 1u);
+  if (w <= least && h <= range.smallest) return level;
+  w = max(w, least + 1u) - 1u;
+  h = max(h, range.smallest + 1u) - 1u;
+  return packLevel(w, h, levelTransposed(level));
+}
+
+// Whether a patch that wants `wanted` holds a smaller block `current` for want of memory. To ask again each frame would
+// only move it about.
+SHARED_FN bool waitsForMemory(uint current, uint wanted) {
+  return (current & kLevelReduced) != 0u && levelWidth(wanted) >= levelWidth(current) &&
+         levelHeight(wanted) >= levelHeight(current);
 }
 
 TESSERA_SHARED_END

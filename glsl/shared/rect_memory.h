@@ -87,6 +87,7 @@ struct AtlasEvents {
   uint freed;        // blocks given back without another one being asked for
   uint merged;       // blocks that merging made
   uint reduced;      // requests that got a smaller block than asked for
+  uint waiting;      // patches that keep such a block of an earlier frame, and made no request
 };
 
 struct AtlasState {
@@ -187,7 +188,7 @@ static_assert(sizeof(tessera::glsl::PatchState) == 12);
 static_assert(sizeof(tessera::glsl::AtlasConfig) == 108);
 static_assert(sizeof(tessera::glsl::LevelState) == 36);
 static_assert(sizeof(tessera::glsl::BinState) == 20);
-static_assert(sizeof(tessera::glsl::AtlasEvents) == 24);
-static_assert(sizeof(tessera::glsl::AtlasState) == 108 + 14 * 4 + 28 + 24 + 66 * 36 + 66 * 20 + 8 * 64);
+static_assert(sizeof(tessera::glsl::AtlasEvents) == 28);
+static_assert(sizeof(tessera::glsl::AtlasState) == 108 + 14 * 4 + 28 + 28 + 66 * 36 + 66 * 20 + 8 * 64);
 #endif
 #endif

@@ -306,16 +306,23 @@ TEST(Levels, DegenerateViewsGiveValidLevels) {
 }
 
 TEST(Levels, BiasOfPressure) {
-  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, 1000.0f, 0.0f), 3.0f);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 100, 1100.0f, 0.0f), 3.0f);  // I = 8100, d = 100
-  EXPECT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f, 0.0f), 0.0f);           // room to spare
-  EXPECT_EQ(glsl::pressureBias(0, 0, 0, 1000.0f, 0.0f), 0.0f);
-  EXPECT_EQ(glsl::pressureBias(0, 0, 100, 50.0f, 0.0f), 0.0f);  // I = d > S: nothing can shrink
-  EXPECT_EQ(glsl::pressureBias(8000, 0, 1000, 1000.0f, 0.0f), glsl::kLargestBias);  // S = d
-  EXPECT_EQ(glsl::pressureBias(8000, 0, 2000, 1000.0f, 0.0f), glsl::kLargestBias);  // S < d
-  EXPECT_EQ(glsl::pressureBias(8000, 0, 0, kNan, 0.0f), glsl::kLargestBias);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(0, 4, 0, 1024.0f, 0.0f), 24.0f);  // 2^34 texels
-  EXPECT_EQ(glsl::pressureBias(~0u, ~0u, 0, 1.0f, 0.0f), glsl::kLargestBias);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, kAll, 1000.0f, 0.0f), 3.0f);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 100, kAll, 1100.0f, 0.0f), 3.0f);  // I = 8100, d = 100
+  EXPECT_EQ(glsl::pressureBias(500, 0, 0, kAll, 1000.0f, 0.0f), 0.0f);           // room to spare
+  EXPECT_EQ(glsl::pressureBias(0, 0, 0, kAll, 1000.0f, 0.0f), 0.0f);
+  EXPECT_EQ(glsl::pressureBias(0, 0, 100, kAll, 50.0f, 0.0f), 0.0f);  // I = d > S: nothing can shrink
+  EXPECT_EQ(glsl::pressureBias(8000, 0, 1000, kAll, 1000.0f, 0.0f), glsl::kLargestBias);  // S = d
+  EXPECT_EQ(glsl::pressureBias(8000, 0, 2000, kAll, 1000.0f, 0.0f), glsl::kLargestBias);  // S < d
+  EXPECT_EQ(glsl::pressureBias(8000, 0, 0, kAll, kNan, 0.0f), glsl::kLargestBias);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(0, 4, 0, kAll, 1024.0f, 0.0f), 24.0f);  // 2^34 texels
+  EXPECT_EQ(glsl::pressureBias(~0u, ~0u, 0, kAll, 1.0f, 0.0f), glsl::kLargestBias);
+  // Three of 16 x 16, and so 768 texels that cannot shrink.
+  EXPECT_FLOAT_EQ(glsl::pressureBias(1024, 0, 3, {4, 8, 10}, 1024.0f, 0.0f), 2.0f);
+  // 2^12 blocks of 2^20 texels: more than 32 bits count.
+  EXPECT_EQ(glsl::pressureBias(1u << 20, 0, 1u << 12, {10, 10, 10}, 1e9f, 0.0f), glsl::kLargestBias);
+  EXPECT_FLOAT_EQ(glsl::biasedTexels(5, 3, 0.0f), 3.0f * 4294967296.0f);
+  EXPECT_FLOAT_EQ(glsl::biasedTexels(800, 0, 3.0f), 100.0f);
+  EXPECT_FLOAT_EQ(glsl::biasedTexels(800, 0, -1.0f), 1600.0f);
   // The bias brings ideal areas down to the target.
   std::mt19937 random(6);
   std::vector<PatchMeasure> patches(20000);
@@ -334,7 +341,7 @@ TEST(Levels, BiasOfPressure) {
   const std::uint64_t ideal = sum(0.0f, ones);
   const float target = 1e6f;
   const float bias = glsl::pressureBias(static_cast<glsl::uint>(ideal - ones), 0,
-                                        static_cast<glsl::uint>(ones), target, 0.0f);
+                                        static_cast<glsl::uint>(ones), kAll, target, 0.0f);
   EXPECT_GT(bias, 3.0f);
   EXPECT_NEAR(static_cast<double>(sum(bias, ones)), 1e6, 0.02e6);
 }
@@ -389,11 +396,36 @@ TEST(LevelRange, EveryLevelLiesInItAndNoNearerOneDoes) {
         }
 }
 
+TEST(Levels, SmallerForWantOfMemory) {
+  const auto chain = [](glsl::uint w, glsl::uint h, const glsl::LevelRange& range) {
+    std::string steps;
+    glsl::uint level = glsl::packLevel(w, h, true);
+    for (glsl::uint next = glsl::smallerLevel(level, range); next != level;
+         next = glsl::smallerLevel(level, range)) {
+      level = next;
+      EXPECT_EQ(glsl::levelTransposed(level), w != h && glsl::levelWidth(level) != glsl::levelHeight(level));
+      steps += std::to_string(glsl::levelWidth(level)) + std::to_string(glsl::levelHeight(level)) + " ";
+    }
+    return steps;
+  };
+  EXPECT_EQ(chain(3, 3, kAll), "22 11 10 ");
+  EXPECT_EQ(chain(4, 1, kAll), "30 20 10 ");
+  EXPECT_EQ(chain(1, 0, kAll), "");
+  EXPECT_EQ(chain(5, 3, {2, 8, 10}), "42 32 22 ");
+  EXPECT_EQ(chain(3, 3, {3, 3, 10}), "");
+  const glsl::uint reduced = glsl::packLevel(3, 1, true) | glsl::kLevelReduced;
+  EXPECT_TRUE(glsl::waitsForMemory(reduced, glsl::packLevel(4, 1, true)));
+  EXPECT_TRUE(glsl::waitsForMemory(reduced, glsl::packLevel(3, 2, true)));
+  EXPECT_FALSE(glsl::waitsForMemory(reduced, glsl::packLevel(4, 0, true))) << "another shape";
+  EXPECT_FALSE(glsl::waitsForMemory(reduced, glsl::packLevel(2, 1, true))) << "wants less than it has";
+  EXPECT_FALSE(glsl::waitsForMemory(glsl::packLevel(3, 1, true), glsl::packLevel(4, 1, true)));
+}
+
 TEST(Pressure, RoomToSpareLowersTheBiasToItsFloor) {
-  EXPECT_FLOAT_EQ(glsl::pressureBias(500, 0, 0, 1000.0f, -2.0f), -1.0f);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(100, 0, 0, 1000.0f, -2.0f), -2.0f);
-  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, 1000.0f, -2.0f), 3.0f);
-  EXPECT_EQ(glsl::pressureBias(0, 0, 100, 1000.0f, -2.0f), 0.0f);  // nothing that could grow
+  EXPECT_FLOAT_EQ(glsl::pressureBias(500, 0, 0, kAll, 1000.0f, -2.0f), -1.0f);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(100, 0, 0, kAll, 1000.0f, -2.0f), -2.0f);
+  EXPECT_FLOAT_EQ(glsl::pressureBias(8000, 0, 0, kAll, 1000.0f, -2.0f), 3.0f);
+  EXPECT_EQ(glsl::pressureBias(0, 0, 100, kAll, 1000.0f, -2.0f), 0.0f);  // nothing that could grow
 }
 
 class PressureSteps : public ::testing::Test {
@@ -401,11 +433,22 @@ class PressureSteps : public ::testing::Test {
   // highWater, softWater, targetStart, targetLargest, targetSmallest, targetCut, targetGrowth, quietFrames
   glsl::PressureConfig config{900.0f, 800.0f, 600.0f, 700.0f, 100.0f, 0.5f, 1.5f, 3, 1, 1};
   glsl::PressureState state = glsl::pressureAtStart(config);
+  glsl::PressureInput calm{};
+  void open(const glsl::PressureInput& last) { state = glsl::stepPressure(state, config, last); }
   void step(bool failed, float load, bool held = false, bool asked = false) {
-    state = glsl::stepPressure(state, config, failed, load, 0.0f, true, held, asked);
+    glsl::PressureInput last = calm;
+    last.failed = failed;
+    last.load = load;
+    last.limits = true;
+    last.held = held;
+    last.asked = asked;
+    open(last);
   }
   void live(float texels, bool limits = true) {
-    state = glsl::stepPressure(state, config, false, 0.0f, texels, limits, false, false);
+    glsl::PressureInput last = calm;
+    last.live = texels;
+    last.limits = limits;
+    open(last);
   }
 };
 
@@ -447,6 +490,66 @@ TEST_F(PressureSteps, AHeldResetComesWhenItMay) {
   EXPECT_EQ(state.pending, 1u);
   step(false, 0.0f, false, true);
   EXPECT_EQ(state.reset, 1u);
+}
+
+TEST_F(PressureSteps, WhatAHeldResetWillMendCutsOnce) {
+  config.targetSmallest = 1.0f;
+  for (const bool waits : {false, true}) {
+    glsl::PressureInput kind = calm;
+    kind.waiting = waits;
+    kind.load = waits ? 0.0f : 950.0f;
+    kind.held = true;
+    state = glsl::pressureAtStart(config);
+    step(true, 0.0f, true);
+    EXPECT_EQ(state.target, 300.0f);
+    for (glsl::uint i = 0; i < 10 * glsl::kCutInterval; ++i) {
+      open(kind);
+      ASSERT_EQ(state.target, 300.0f) << "frame " << i;
+      ASSERT_EQ(state.pending, 1u);
+      ASSERT_EQ(state.quiet, 0u);
+    }
+    // Patches that fail anew are another matter, though not each frame.
+    for (glsl::uint i = 0; i < glsl::kCutInterval; ++i) step(true, 0.0f, true);
+    EXPECT_EQ(state.target, 150.0f);
+    // So it is without a hold.
+    kind.held = false;
+    open(kind);
+    EXPECT_EQ(state.reset, 1u);
+    open(kind);
+    EXPECT_EQ(state.target, 75.0f) << "packed afresh, and still too small";
+    for (glsl::uint i = 0; i <= glsl::kCutInterval; ++i) open(kind);
+    EXPECT_LE(state.target, 37.5f) << "and cut again while it is";
+  }
+}
+
+TEST_F(PressureSteps, ACameraThatJumpsResets) {
+  // Beside 500 texels there is room for 524.
+  const auto jump = [&](float fresh, float load = 500.0f, bool held = false) {
+    glsl::PressureInput last = calm;
+    last.load = load;
+    last.room = 1024.0f - load;
+    last.fresh = fresh;
+    last.held = held;
+    open(last);
+    return state.reset;
+  };
+  EXPECT_EQ(jump(524.0f), 0u) << "fits";
+  EXPECT_EQ(jump(525.0f, 500.0f, true), 0u) << "held back";
+  EXPECT_EQ(state.pending, 0u) << "a jump is of its moment";
+  EXPECT_EQ(jump(525.0f), 1u);
+  EXPECT_EQ(state.sinceReset, 0u);
+  EXPECT_EQ(state.wait, 1u);
+  EXPECT_EQ(state.target, 600.0f) << "memory was not too small";
+  EXPECT_EQ(jump(525.0f), 1u) << "as often as the camera does";
+  EXPECT_EQ(jump(2000.0f, 0.0f), 0u) << "there is nothing to free";
+  // A quarter of S, which is 600.
+  EXPECT_EQ(jump(150.0f, 890.0f), 0u);
+  EXPECT_EQ(jump(151.0f, 890.0f), 1u);
+  state.target = 700.0f;
+  EXPECT_EQ(jump(700.0f), 1u);
+  EXPECT_EQ(state.target, 600.0f) << "starts afresh";
+  config.resets = 0;
+  EXPECT_EQ(jump(2000.0f), 0u);
 }
 
 TEST_F(PressureSteps, ExhaustionWithoutResetsCutsAgainAndAgain) {

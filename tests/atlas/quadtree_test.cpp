@@ -140,6 +140,11 @@ glsl::AtlasConfig configOf(const Scenario& scenario) {
   return config;
 }
 
+void frame(QuadtreeAtlas& atlas, const glsl::AtlasConfig& config, std::span<const std::uint32_t> patches,
+           const std::vector<glsl::PatchMeasure>& measures) {
+  atlas.frame(patches, measures, sumIdeal(config, patches, measures, atlas.patchStates(), atlas.epoch()));
+}
+
 void feed(QuadtreeAtlas& atlas, const glsl::AtlasConfig& config, const Wants& wants) {
   std::vector<std::uint32_t> patches;
   std::vector<glsl::PatchMeasure> measures;
@@ -147,7 +152,7 @@ void feed(QuadtreeAtlas& atlas, const glsl::AtlasConfig& config, const Wants& wa
     patches.push_back(want.patch);
     measures.push_back({static_cast<float>(want.w + want.h), static_cast<float>(want.w - want.h)});
   }
-  atlas.frame(patches, measures, sumIdeal(config, measures));
+  frame(atlas, config, patches, measures);
 }
 
 class QuadtreeFrames : public ::testing::TestWithParam<Scenario> {};
@@ -303,22 +308,25 @@ TEST(QuadtreeAtlas, BiasResetsAndHysteresisAreTheSharedOnes) {
     patches.push_back(i);
     measures.push_back({7.0f, 0.0f});  // 128 texels, clamped to 64: 4096 in all, twice the target
   }
-  const IdealTexels ideal = sumIdeal(config, measures);
+  const IdealTexels ideal = sumIdeal(config, patches, measures, atlas.patchStates(), atlas.epoch());
   EXPECT_EQ(ideal.scalable, 4096u);
+  EXPECT_EQ(ideal.fresh, 4096u);
   EXPECT_EQ(ideal.least, 0u);
   atlas.frame(patches, measures, ideal);
   EXPECT_EQ(atlas.pressureBias(), 1.0f);
   EXPECT_EQ(atlas.allocator().liveTexels(), 64u * 32u);
   EXPECT_EQ(atlas.blocksMade(), 64u);
   // Room to spare: up to the lowest bias.
-  atlas.frame(std::span(patches).first(4), std::vector<glsl::PatchMeasure>(4, {3.0f, 0.0f}), {32, 0});
+  atlas.frame(std::span(patches).first(4), std::vector<glsl::PatchMeasure>(4, {3.0f, 0.0f}),
+              {.scalable = 32});
   EXPECT_EQ(atlas.pressureBias(), -2.0f);
   EXPECT_EQ(atlas.allocator().liveTexels(), 4u * 32u);
   EXPECT_EQ(atlas.blocksFreed(), 60u);
   EXPECT_EQ(atlas.blocksMade(), 0u) << "the same size as before";
   // Within hysteresis of the border at 4.5 of log2 area; a bias of -2 in force.
   const auto levelFor = [&](float logArea) {
-    atlas.frame(std::span(patches).first(1), std::vector<glsl::PatchMeasure>{{logArea, 0.0f}}, {8, 0});
+    atlas.frame(std::span(patches).first(1), std::vector<glsl::PatchMeasure>{{logArea, 0.0f}},
+                {.scalable = 8});
     return glsl::levelTexels(atlas.patchStates()[0].level);
   };
   EXPECT_EQ(levelFor(2.6f), 32u);
@@ -341,9 +349,9 @@ TEST(QuadtreeAtlas, BiasResetsAndHysteresisAreTheSharedOnes) {
   config.pressure.highWater = 127.0f;
   QuadtreeAtlas cut(config);
   const std::vector<glsl::PatchMeasure> halves(3, {5.0f, 1.0f});
-  cut.frame(std::span(patches).first(3), halves, sumIdeal(config, halves));
+  frame(cut, config, std::span(patches).first(3), halves);
   EXPECT_EQ(cut.allocator().liveTexels(), 96u);
-  cut.frame(std::span(patches).first(3), halves, sumIdeal(config, halves));
+  frame(cut, config, std::span(patches).first(3), halves);
   EXPECT_EQ(cut.resets(), 1u);
 }
 
@@ -360,11 +368,102 @@ TEST(QuadtreeAtlas, SmallerBlocksForWantOfMemory) {
        {{0, 3, 3}, {1, 3, 3}, {2, 3, 3}, {3, 2, 1}, {4, 3, 3}, {5, 3, 3}, {6, 3, 3}, {7, 3, 3}});
   EXPECT_EQ(atlas.blocksReduced(), 3u);
   EXPECT_EQ(atlas.failures(), 1u);
-  EXPECT_EQ(atlas.patchStates()[4].level, glsl::packLevel(2, 2, false));
+  const glsl::uint reduced = glsl::packLevel(2, 2, false) | glsl::kLevelReduced;
+  EXPECT_EQ(atlas.patchStates()[4].level, reduced);
   EXPECT_EQ(atlas.patchStates()[7].level, 0u);
   EXPECT_EQ(atlas.allocator().liveTexels(), 3u * 64u + 8u + 3u * 16u);
+  // They keep those, also when larger ones come free: until a reset.
+  Wants wants = {{0, 3, 3}, {1, 3, 3}, {2, 3, 3}, {3, 2, 1}, {4, 3, 3}, {5, 3, 3}, {6, 3, 3}};
+  const auto origin = [&](std::uint32_t patch) { return atlas.patchStates()[patch].origin; };
+  const std::array<glsl::uint, 3> before = {origin(4), origin(5), origin(6)};
+  for (int i = 0; i < 3; ++i) {
+    feed(atlas, config, wants);
+    EXPECT_EQ(atlas.blocksReduced() + atlas.blocksMade() + atlas.failures(), 0u);
+    EXPECT_EQ(atlas.blocksWaiting(), 3u);
+    EXPECT_EQ((std::array<glsl::uint, 3>{origin(4), origin(5), origin(6)}), before);
+    if (i == 0) wants.erase(wants.begin());
+  }
+  // Who wants as much as it has does not wait.
+  wants[3] = {4, 2, 2};
+  feed(atlas, config, wants);
+  EXPECT_EQ(atlas.blocksWaiting(), 2u);
+  EXPECT_EQ(origin(4), before[0]);
+  EXPECT_EQ(atlas.patchStates()[4].level, glsl::packLevel(2, 2, false));
+  wants[3] = {4, 3, 3};
+  feed(atlas, config, wants);
+  EXPECT_EQ(atlas.patchStates()[4].level, glsl::packLevel(3, 3, false)) << "the one that is free";
+  EXPECT_EQ(atlas.allocator().liveTexels(), 3u * 64u + 8u + 2u * 16u);
   const auto partition = checkPartition(atlas.allocator().snapshot());
   EXPECT_TRUE(partition) << partition.error().message;
+}
+
+TEST(QuadtreeAtlas, EverySmallestBlockWorks) {
+  const Scenario scenario{.name = "", .width = 2048, .height = 1024, .superblockLog2 = 10, .patches = 300};
+  std::mt19937 random(4);
+  std::uint32_t seen = 0;
+  for (glsl::uint smallest = 0; smallest <= 10; ++smallest) {
+    glsl::AtlasConfig config = configOf(scenario);
+    config.range.smallest = smallest;
+    config.merges = 1;
+    QuadtreeAtlas atlas(config);
+    std::uint32_t reduced = 0;
+    for (int frame = 0; frame < 4; ++frame) {
+      Wants wants;
+      for (std::uint32_t patch = 0; patch < scenario.patches; ++patch)
+        if (random() % 3 != 0) {
+          const auto w = static_cast<std::uint32_t>(random() % 11);
+          wants.push_back({patch, w, static_cast<std::uint32_t>(random() % (w + 1))});
+        }
+      feed(atlas, config, wants);
+      reduced += atlas.blocksReduced();
+      std::uint32_t blocks = 0;
+      for (const MemoryTwin::Want& want : wants) {
+        const glsl::uint level = atlas.patchStates()[want.patch].level;
+        if (glsl::levelWidth(level) == 0) continue;
+        ASSERT_GE(glsl::levelHeight(level), smallest);
+        ++blocks;
+      }
+      EXPECT_GT(blocks, 0u);
+      const MemorySnapshot snapshot = atlas.allocator().snapshot();
+      EXPECT_EQ(snapshot.live.size(), blocks);
+      const auto partition = checkPartition(snapshot);
+      ASSERT_TRUE(partition) << "2^" << smallest << ": " << partition.error().message;
+    }
+    if (smallest == 10) {
+      EXPECT_EQ(reduced, 0u) << "there is nothing smaller";
+    }
+    seen += reduced;
+  }
+  EXPECT_GT(seen, 0u) << "no want of memory was tested";
+}
+
+TEST(QuadtreeAtlas, ACameraThatJumpsFindsMemoryPackedAfresh) {
+  glsl::AtlasConfig config = configOf({.name = "", .patches = 200});  // 64 x 64, roots of 8 x 8
+  config.pressure.resets = 1;
+  config.pressure.targetStart = 4096.0f;
+  QuadtreeAtlas atlas(config);
+  Wants wants;
+  for (std::uint32_t i = 0; i < 60; ++i) wants.push_back({i, 3, 3});
+  feed(atlas, config, wants);
+  for (MemoryTwin::Want& want : wants) want = {want.patch + 100, 3, 2};
+  feed(atlas, config, wants);
+  EXPECT_EQ(atlas.resets(), 1u);
+  EXPECT_EQ(atlas.failures(), 0u);
+  // As many again, that fit beside those.
+  for (std::uint32_t i = 0; i < 60; ++i) wants.push_back({i, 3, 2});
+  feed(atlas, config, wants);
+  EXPECT_EQ(atlas.resets(), 1u);
+  EXPECT_EQ(atlas.failures(), 0u);
+  // What is still seen is not new, what went out of sight in between is.
+  const auto freshOf = [&](std::uint32_t patch) {
+    const std::vector<glsl::PatchMeasure> measures = {{5.0f, 1.0f}};
+    return sumIdeal(config, std::vector{patch}, measures, atlas.patchStates(), atlas.epoch()).fresh;
+  };
+  EXPECT_EQ(freshOf(100), 0u);
+  wants.erase(wants.begin());
+  feed(atlas, config, wants);
+  EXPECT_EQ(freshOf(100), 32u);
+  EXPECT_EQ(freshOf(101), 0u);
 }
 
 TEST(PlaceTracker, CountsAsWorkedByHand) {

@@ -27,9 +27,17 @@ void openFrame() {
     low += atlas.ideal[part].low;
     high += atlas.ideal[part].high + (low < atlas.ideal[part].low ? 1u : 0u);
   }
-  atlas.pressure = stepPressure(atlas.pressure, atlas.config.pressure, atlas.events.failures > 0u,
-                                float(atlas.cellTexels), 0.0, atlas.bias > atlas.config.lowestBias,
-                                (uAsked & 2u) != 0u, (uAsked & 1u) != 0u);
+  PressureInput last;
+  last.failed = atlas.events.failures > 0u;
+  last.waiting = false;
+  last.load = float(atlas.cellTexels);
+  last.room = float(atlas.config.width * atlas.config.height) - last.load;
+  last.live = 0.0;
+  last.fresh = 0.0;  // the rounds find room for what a camera jump brings
+  last.limits = atlas.bias > atlas.config.lowestBias;
+  last.held = (uAsked & 2u) != 0u;
+  last.asked = (uAsked & 1u) != 0u;
+  atlas.pressure = stepPressure(atlas.pressure, atlas.config.pressure, last);
   freeing = atlas.pressure.reset != 0u;
   // Singles have texels of their own, outside of what S counts.
   atlas.bias =

@@ -41,7 +41,7 @@ void openFrame() {
   freeing = atlas.pressure.reset != 0u;
   // Singles have texels of their own, outside of what S counts.
   atlas.bias =
-      atlas.config.biased != 0u ? pressureBias(low, high, 0u, atlas.pressure.target, atlas.config.lowestBias) : 0.0;
+      atlas.config.biased != 0u ? pressureBias(low, high, 0u, LevelRange(0u, 0u, 1u), atlas.pressure.target, atlas.config.lowestBias) : 0.0;
   atlas.events = TessEvents(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
   atlas.round = 0u;
   ++atlas.frames;

@@ -9,12 +9,9 @@ vec2 atlasOfEven(TessShape shape, uint place0, uint place1, vec3 even) {
     OverShape over = overOfShape(shape);
     OverPoint point = overDecode(even, over);
     uint place = point.side == 0u ? place0 : place1;
-    vec2 at = point.at + 0.5;
-    if (placeTurned(place) != 0u) {
-      uvec2 cell = overPairSize(overColumns(over, point.side), over.rows);
-      at = vec2(float(cell.x), float(cell.y)) - at;
-    }
-    return vec2(float(placeX(place)), float(placeY(place))) + at;
+    bool turned = placeTurned(place) != 0u;
+    uvec2 corner = overCorner(uvec2(placeX(place), placeY(place)), overColumns(over, point.side), over.rows, turned);
+    return overAtlasAt(point.at, corner, turned);
   }
   return vec2(float(placeX(place0)), float(placeY(place0))) + 0.5;
 }

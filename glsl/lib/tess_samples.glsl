@@ -17,7 +17,7 @@ Sample overSample(TessEntry e, OverShape over, OverCell cell) {
   uint place = cell.side == 0u ? e.place0 : e.place1;
   bool turned = placeTurned(place) != 0u;
   uvec2 corner = overCorner(placeTexel(place), overColumns(over, cell.side), over.rows, turned);
-  return Sample(overPlace(over, cell), turned ? corner - cell.at : corner + cell.at, cell.used);
+  return Sample(overPlace(over, cell), overAtlasTexel(cell.at, corner, turned), cell.used);
 }
 
 Sample singleSample(TessEntry e) { return Sample(singlePlace(), placeTexel(e.place0), true); }

@@ -23,17 +23,15 @@ SHARED_CONST uint kLMostSlots = 1u << 24u;  // of a bin, two a rectangle
 
 // What a triangle needs to be found again: 4 bytes.
 struct LPlace {
-  uint level;   // 0 to 64
-  uint slot;    // in the level's bin, below kLMostSlots; odd ones are turned
-  bool curved;  // the weights are distances, see Footprint
+  uint level;  // 0 to 64
+  uint slot;   // in the level's bin, below kLMostSlots; odd ones are turned
 };
 
-SHARED_FN uint packL(LPlace place) { return place.level | (place.curved ? 128u : 0u) | (place.slot << 8u); }
+SHARED_FN uint packL(LPlace place) { return place.level | (place.slot << 8u); }
 SHARED_FN LPlace unpackL(uint word) {
   LPlace place;
   place.level = min(word & 127u, kLLevels - 1u);
   place.slot = word >> 8u;
-  place.curved = (word & 128u) != 0u;
   return place;
 }
 
@@ -51,23 +49,10 @@ SHARED_FN uint lTexels(uint level) {
 }
 
 // The rectangle of two Ls, one turned by half a turn: their arms along y stand side by side. Odd levels fill
-// it without a gap, even ones leave two half rows. Level 0 is two texels.
+// it without a gap, even ones leave two half rows: of the rectangle's texels 70 % are samples at level 2, each
+// counted once, and 98 % at 64. Level 0 is two texels.
 SHARED_FN uvec2 lPairSize(uint level) {
   return uvec2(2u * lArmY(level), level == 0u ? 1u : level + 1u + lArmX(level));
-}
-
-// Samples of both Ls, each counted once, as a share of the rectangle's texels: 0.70 at level 2, 0.98 at 64.
-SHARED_FN float lEfficiency(uint level) {
-  uvec2 size = lPairSize(level);
-  return float(2u * tessUniformCount(level)) / float(size.x * size.y);
-}
-
-// The atlas texel of rectangle `pair` of a bin that fills rows of `width` texels from row `top` on, as many
-// rectangles in a row as fit.
-SHARED_FN uvec2 lPairOrigin(uint pair, uint level, uint top, uint width) {
-  uvec2 size = lPairSize(level);
-  uint across = max(width / size.x, 1u);
-  return uvec2((pair % across) * size.x, top + (pair / across) * size.y);
 }
 
 // The texels of a sample, in L coordinates.
@@ -181,8 +166,7 @@ SHARED_FN vec2 lDecodeExact(vec3 p, uint level) {
   return lUnfold(tip, vec2(ring + clamp(s, float(0), float(1)), ring + t), level);
 }
 
-// Atlas texels of L coordinates, of samples or of points between them; `origin` of the rectangle, see
-// lPairOrigin.
+// Atlas texels of L coordinates, of samples or of points between them; `origin` of the rectangle.
 SHARED_FN vec2 lAtlasAt(vec2 at, uvec2 origin, uint level, bool turned) {
   uvec2 size = lPairSize(level);
   vec2 inside = at + vec2(kTessRound);

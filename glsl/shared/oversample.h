@@ -63,7 +63,6 @@ struct OverPlace {
   uvec2 corner1;
   bool turned0;  // counts down from it instead of up
   bool turned1;
-  bool curved;  // the weights are distances, see Footprint
 };
 
 // The class of a number of steps, 1 to 4096, and the largest number of that class.
@@ -255,22 +254,17 @@ SHARED_FN OverPoint overDecode(vec3 p, OverShape shape) {
   return point;
 }
 
-// Atlas texels of a point of a block, and of one of its texels.
-SHARED_FN vec2 overAtlasAt(OverPoint point, OverPlace place) {
-  uvec2 corner = point.side == 0u ? place.corner0 : place.corner1;
-  vec2 at = (point.side == 0u ? place.turned0 : place.turned1) ? -point.at : point.at;
-  return vec2(float(corner.x), float(corner.y)) + at + vec2(kOverHalf);
+// Atlas texels of a point of a block, and of one of its texels; `corner` of overCorner.
+SHARED_FN vec2 overAtlasAt(vec2 at, uvec2 corner, bool turned) {
+  return vec2(float(corner.x), float(corner.y)) + (turned ? -at : at) + vec2(kOverHalf);
 }
-SHARED_FN uvec2 overAtlasTexel(OverCell cell, OverPlace place) {
-  uvec2 corner = cell.side == 0u ? place.corner0 : place.corner1;
-  return (cell.side == 0u ? place.turned0 : place.turned1) ? corner - cell.at : corner + cell.at;
-}
+SHARED_FN uvec2 overAtlasTexel(uvec2 at, uvec2 corner, bool turned) { return turned ? corner - at : corner + at; }
 
 SHARED_FN uvec4 packOver(OverPlace place) {
   OverShape shape = place.shape;
   return uvec4(place.corner0.x | (place.corner0.y << 16u), place.corner1.x | (place.corner1.y << 16u),
                shape.columns0 | (shape.columns1 << 12u) | (place.turned0 ? 1u << 24u : 0u) |
-                   (place.turned1 ? 1u << 25u : 0u) | (shape.apex << 26u) | (place.curved ? 1u << 28u : 0u),
+                   (place.turned1 ? 1u << 25u : 0u) | (shape.apex << 26u),
                shape.foot | (shape.rows << 16u));
 }
 SHARED_FN OverPlace unpackOver(uvec4 words) {
@@ -282,7 +276,6 @@ SHARED_FN OverPlace unpackOver(uvec4 words) {
   place.turned0 = ((words.z >> 24u) & 1u) != 0u;
   place.turned1 = ((words.z >> 25u) & 1u) != 0u;
   place.shape.apex = min((words.z >> 26u) & 3u, 2u);
-  place.curved = ((words.z >> 28u) & 1u) != 0u;
   place.shape.foot = words.w & 0xffffu;
   place.shape.rows = words.w >> 16u;
   return place;

@@ -1,8 +1,8 @@
 // Samples that are even on screen, put on the surface, and back. Based on Munkberg, Hasselgren and
 // Akenine-Moeller, "Non-Uniform Fractional Tessellation" (2008), and Hladky 2019, eq. 5. p: even barycentric
 // coordinates (those of the sample pattern); b: those of the surface. `weights` are the three vertices'
-// depths in the camera that the samples are gathered for: clip-space w, or the distances from the eye (see
-// footprint.h). The same weights must be used both ways, whatever camera displays the samples.
+// depths in the camera that the samples are gathered for (see depthWeights in tess_measure.h). The same weights
+// must be used both ways, whatever camera displays the samples.
 #ifndef TESSERA_GLSL_SHARED_PERSPECTIVE_MAP_H
 #define TESSERA_GLSL_SHARED_PERSPECTIVE_MAP_H
 #include "shared/dialect.h"

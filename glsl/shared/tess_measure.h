@@ -76,6 +76,24 @@ SHARED_FN TessShape shapeAt(TessMeasure measure, float scale, float slanted) {
 
 SHARED_FN bool sizeWithin(uint held, uint low, uint high) { return held >= low && held <= high; }
 
+// Which halves there are, and whether it is one row: what changes at once where a triangle grows.
+SHARED_FN uint overForm(OverShape shape) {
+  return (shape.columns0 > 0u ? 1u : 0u) | (shape.columns1 > 0u ? 2u : 0u) | (shape.rows == 1u ? 4u : 0u);
+}
+// Steps along the base: those of its length, rounded up by an eighth and one a half at most.
+SHARED_FN uint overStepsOf(OverShape shape) {
+  return max(shape.columns0, 1u) - 1u + max(shape.columns1, 1u) - 1u;
+}
+SHARED_FN bool overWithin(OverShape held, OverShape least, OverShape most) {
+  if (held.apex != least.apex || held.apex != most.apex || !sizeWithin(held.rows, least.rows, most.rows)) return false;
+  if (overForm(least) == overForm(most))
+    return sizeWithin(held.columns0, least.columns0, most.columns0) &&
+           sizeWithin(held.columns1, least.columns1, most.columns1);
+  uint steps = overStepsOf(held);
+  return (overForm(held) == overForm(least) || overForm(held) == overForm(most)) &&
+         9u * steps + 18u >= 8u * overStepsOf(least) && 8u * steps <= 9u * overStepsOf(most) + 16u;
+}
+
 // The shape under a bias, log2 of area. `previous` is kept while it is one for lengths within `hysteresis` (in log2)
 // of the triangle's; pass hysteresis < 0 for none.
 SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float slanted, TessShape previous, float hysteresis) {
@@ -91,13 +109,15 @@ SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float slanted, 
   } else if (kind == kTessL) {
     uint least = kindOf(low.kind) == kTessL ? levelOfKind(low.kind) : 1u;
     keeps = kindOf(high.kind) == kTessL && sizeWithin(levelOfKind(previous.kind), least, levelOfKind(high.kind));
-  } else if (kind == kTessOver && kindOf(high.kind) == kTessOver && kindOf(low.kind) == kTessOver) {
+  } else if (kind == kTessOver && kindOf(high.kind) == kTessOver) {
     OverShape held = overOfShape(previous);
-    OverShape least = overOfShape(low);
     OverShape most = overOfShape(high);
-    keeps = held.apex == least.apex && held.apex == most.apex && sizeWithin(held.rows, least.rows, most.rows) &&
-            sizeWithin(held.columns0, least.columns0, most.columns0) &&
-            sizeWithin(held.columns1, least.columns1, most.columns1);
+    if (kindOf(low.kind) == kTessOver) {
+      keeps = overWithin(held, overOfShape(low), most);
+    } else {
+      keeps = held.apex == most.apex && overForm(held) == overForm(most) && held.rows <= most.rows &&
+              held.columns0 <= most.columns0 && held.columns1 <= most.columns1;
+    }
   }
   if (keeps) return previous;
   return shapeAt(measure, scale, slanted);

@@ -94,24 +94,14 @@ TEST(LPack, TwoLsShareARectangle) {
     const uint gaps = size.x * size.y - static_cast<uint>(taken.size());
     ASSERT_EQ(gaps, level == 0 || level % 2 == 1 ? 0u : level + 2) << level;
   }
-  EXPECT_NEAR(glsl::lEfficiency(2), 0.70f, 0.005f);
-  EXPECT_NEAR(glsl::lEfficiency(64), 0.98f, 0.005f);
-  EXPECT_EQ(glsl::lEfficiency(0), 1.0f);
-}
-
-TEST(LPack, BinsFillRows) {
-  for (uint level : {0u, 1u, 2u, 7u, 64u}) {
+  // Samples of both Ls, each counted once: the numbers in lpack.h.
+  const auto efficiency = [](uint level) {
     const uvec2 size = glsl::lPairSize(level);
-    std::set<std::pair<uint, uint>> taken;
-    for (uint pair = 0; pair < 40; ++pair) {
-      const uvec2 origin = glsl::lPairOrigin(pair, level, 30, 200);
-      ASSERT_LE(origin.x + size.x, 200u);
-      ASSERT_GE(origin.y, 30u);
-      ASSERT_EQ(origin.x % size.x, 0u);
-      ASSERT_EQ((origin.y - 30) % size.y, 0u);
-      ASSERT_TRUE(taken.insert({origin.x, origin.y}).second);
-    }
-  }
+    return 2.0 * glsl::tessUniformCount(level) / (size.x * size.y);
+  };
+  EXPECT_NEAR(efficiency(2), 0.70, 0.005);
+  EXPECT_NEAR(efficiency(64), 0.98, 0.005);
+  EXPECT_EQ(efficiency(0), 1.0);
 }
 
 TEST(LPack, EveryTapIsATexelOfTheTriangleAndLinearFunctionsAreReproduced) {
@@ -140,6 +130,31 @@ TEST(LPack, EveryTapIsATexelOfTheTriangleAndLinearFunctionsAreReproduced) {
               static_cast<double>(worstExact), static_cast<double>(worstPlain));
   EXPECT_LT(worstPlain, 0.16L);
   EXPECT_GT(worstPlain, 0.05L) << "the plain decode is not as coarse as is claimed";
+}
+
+// Levels that no tessellator has are spawned from their texels.
+TEST(LPack, LevelsBeyondTheTessellatorsAreReproducedToo) {
+  std::mt19937 random(9);
+  for (uint level = 1; level <= 254; level += level < 60 ? 7 : 1) {
+    Texels texels;
+    for (uint y = 0; y <= level; ++y)
+      for (uint x = 0; x <= level; ++x) {
+        if (!glsl::lContains({x, y}, level)) continue;
+        const glm::vec3 b = glsl::tessBary(glsl::lPlaceOf({x, y}, level), glsl::tessUniform(level));
+        ASSERT_GE(std::min({b.x, b.y, b.z}), 0.0f);
+        texels[{static_cast<int>(x), static_cast<int>(y)}] =
+            linear({static_cast<Long>(b.x), static_cast<Long>(b.y), static_cast<Long>(b.z)});
+      }
+    ASSERT_EQ(texels.size(), glsl::lTexels(level));
+    for (int i = 0; i < 300; ++i) {
+      const glm::vec3 b = test::randomBary(random);
+      Long value = 0;
+      ASSERT_TRUE(fetch(texels, glsl::lDecodeExact(b, level), value)) << level;
+      const Long expected = linear({static_cast<Long>(b.x), static_cast<Long>(b.y), static_cast<Long>(b.z)});
+      ASSERT_LE(std::abs(value - expected), 1e-5L * kRange)
+          << level << ": " << b.x << " " << b.y << " " << b.z;
+    }
+  }
 }
 
 TEST(LPack, SamplesDecodeToTheirTexels) {
@@ -179,13 +194,11 @@ TEST(LPack, PointsOutsideAndNonsenseStayInTheL) {
 
 TEST(LPack, FourBytesAPrimitive) {
   for (uint level = 0; level < glsl::kLLevels; ++level)
-    for (const uint slot : {0u, 1u, 4711u, glsl::kLMostSlots - 1})
-      for (const bool curved : {false, true}) {
-        const glsl::LPlace place = glsl::unpackL(glsl::packL({level, slot, curved}));
-        ASSERT_EQ(place.level, level);
-        ASSERT_EQ(place.slot, slot);
-        ASSERT_EQ(place.curved, curved);
-      }
+    for (const uint slot : {0u, 1u, 4711u, glsl::kLMostSlots - 1}) {
+      const glsl::LPlace place = glsl::unpackL(glsl::packL({level, slot}));
+      ASSERT_EQ(place.level, level);
+      ASSERT_EQ(place.slot, slot);
+    }
   EXPECT_LE(glsl::unpackL(0xffffffffu).level, 64u);
 }
 

@@ -1,7 +1,7 @@
 // What the shared headers give for inputs made from a number, once for C++ and for GLSL.
 #ifndef TESSERA_TESTS_TESSELLATION_PROBE_H
 #define TESSERA_TESTS_TESSELLATION_PROBE_H
-#include "shared/footprint.h"
+#include "shared/tess_measure.h"
 TESSERA_SHARED_BEGIN
 
 struct Probe {
@@ -10,12 +10,13 @@ struct Probe {
   uvec4 back;     // ring, side, step of the second texel's sample; count of the levels for a count
   uvec4 cell;     // x, y, side, used
   uvec4 record;   // packed and unpacked
-  uvec4 measure;  // kind, level, split, threads of the shape
-  vec4 sites;     // bary of the place; edge 0
+  uvec4 shape;    // selected: kind, size, form; texels
+  vec4 measure;   // edges, height
+  vec4 sites;     // bary of the place; weight 2
   vec4 decodes;   // L exact, L plain
-  vec4 even;      // of the cell; slantedness
-  vec4 surface;   // extrapolated
-  vec4 screen;    // even from surface
+  vec4 even;      // of the cell; 0
+  vec4 surface;   // extrapolated; weight 0
+  vec4 screen;    // even from surface; weight 1
   vec4 atlas;     // L, Oversampling
 };
 
@@ -60,7 +61,7 @@ SHARED_FN Probe probe(uint index) {
   vec2 exact = lDecodeExact(p, level);
   vec2 plain = lDecodePlain(p, level);
   found.decodes = vec4(exact.x, exact.y, plain.x, plain.y);
-  uvec2 origin = lPairOrigin(e % 1000u, level, 3u, 4096u);
+  uvec2 origin = uvec2(e % 1000u, d % 1000u);
   vec2 inAtlas = lAtlasAt(exact, origin, level, (e & 1u) == 1u);
 
   OverPlace over;
@@ -74,39 +75,31 @@ SHARED_FN Probe probe(uint index) {
   over.corner1 = uvec2(200u + d % 5000u, 200u + e % 5000u);
   over.turned0 = (b & 64u) != 0u;
   over.turned1 = (c & 64u) != 0u;
-  over.curved = (d & 64u) != 0u;
   over = unpackOver(packOver(over));
   found.record = packOver(over);
   OverCell cell = overCellOf(e % overCount(over.shape), over.shape);
   found.cell = uvec4(cell.at.x, cell.at.y, cell.side, cell.used ? 1u : 0u);
   vec3 even = overEven(cell, over.shape);
-  vec2 overAt = overAtlasAt(overDecode(p, over.shape), over);
+  OverPoint point = overDecode(p, over.shape);
+  vec2 overAt = point.side == 0u ? overAtlasAt(point.at, over.corner0, over.turned0)
+                                 : overAtlasAt(point.at, over.corner1, over.turned1);
   found.atlas = vec4(inAtlas.x, inAtlas.y, overAt.x, overAt.y);
 
   vec3 v0 = probeCorner(a);
   vec3 v1 = probeCorner(c);
   vec3 v2 = probeCorner(e);
-  FootprintView view;
-  view.pixels = vec2(float(300), float(300));
-  view.limits = vec2(float(1), float(1));
-  view.nearest = float(1) / float(10);
-  Footprint footprint = footprintOf(v0, v1, v2, view);
-  SampleOptions options;
-  options.texelsPerPixel = float(1);
-  options.levelPerTexel = float(1);
-  options.onceBelow = float(1);
-  options.slantedAbove = float(2);
-  options.mustFit = (a & 1u) == 1u;
-  SampleMeasure measure = measureSamples(footprint, options);
-  uint threads = measure.kind == kSampledOver ? overCount(measure.shape) : 0u;
-  found.measure = uvec4(measure.kind, measure.level, measure.split, threads);
-  vec3 weights = footprintWeights(v0, v1, v2, footprint.curved);
+  TessMeasure measure = measureTriangle(v0, v1, v2, float(30));
+  found.measure = vec4(measure.edge0, measure.edge1, measure.edge2, measure.height);
+  TessShape held = shapeAt(measure, exp2((probeUnit(d) - float(1) / float(2)) / float(8)), float(4));
+  TessShape shape = selectShape(measure, float(4) * probeUnit(b), float(4), held, float(1) / float(20));
+  found.shape = uvec4(shape.kind, shape.size, shape.form, texelsOfShape(shape));
+  vec3 weights = depthWeights(v0, v1, v2);
   vec3 surface = surfaceFromEvenOutside(even, weights);
   found.surface = vec4(surface[0], surface[1], surface[2], weights[0]);
   vec3 screen = evenFromSurface(p, weights);
   found.screen = vec4(screen[0], screen[1], screen[2], weights[1]);
-  found.sites = vec4(bary[0], bary[1], bary[2], footprint.edges[0]);
-  found.even = vec4(even[0], even[1], even[2], measure.slanted);
+  found.sites = vec4(bary[0], bary[1], bary[2], weights[2]);
+  found.even = vec4(even[0], even[1], even[2], float(0));
   return found;
 }
 

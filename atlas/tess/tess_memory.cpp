@@ -20,6 +20,22 @@ Result<void> checkRange(const char* name, double value, double least, double mos
   return fail("atlas memory: {} {} is outside [{}, {}]", name, value, least, most);
 }
 
+/// The largest sizes whose cells fit into the atlas.
+glsl::TessLimits limitsOf(const TessMemoryOptions& options) {
+  const auto fits = [&](glsl::uvec2 cell) {
+    return static_cast<int>(cell.x) <= options.width && static_cast<int>(cell.y) <= options.height;
+  };
+  glsl::uint level = glsl::kLargestLevel;
+  while (!fits(glsl::lPairSize(level))) --level;
+  glsl::uint columns = 1 + static_cast<glsl::uint>(glsl::kOverWidest);
+  constexpr auto kMostRows = 2 + static_cast<glsl::uint>(glsl::kOverHighest);
+  while (!fits(glsl::overPairSize(columns + 1, kMostRows)) ||
+         glsl::overClassSteps(glsl::overClass(columns)) != columns)
+    --columns;
+  // Rounding may add a texel, but no class.
+  return {options.slanted, static_cast<float>(level), static_cast<float>(columns - 1)};
+}
+
 Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint32_t triangles) {
   const struct {
     const char* name;
@@ -53,7 +69,7 @@ Result<glsl::TessConfig> configFrom(const TessMemoryOptions& options, std::uint3
   config.constantBias = options.bias;
   config.lowestBias = options.biasFloor;
   config.hysteresis = options.hysteresis;
-  config.slanted = options.slanted;
+  config.limits = limitsOf(options);
   config.pressure.highWater = static_cast<float>(options.highWater * area);
   config.pressure.softWater = static_cast<float>(area);
   config.pressure.targetStart = static_cast<float>(options.targetShare * area);

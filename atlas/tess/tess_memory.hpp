@@ -67,6 +67,8 @@ class TessMemory {
   [[nodiscard]] int textureWidth() const { return static_cast<int>(config_.width); }
   [[nodiscard]] int textureHeight() const;
   [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] gl::Buffer& stateBuffer() { return state_; }
+  [[nodiscard]] gl::Buffer& measures() { return measures_; }
 
   // These wait for the GPU.
   [[nodiscard]] TessStatistics readStatistics() const;

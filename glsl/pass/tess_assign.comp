@@ -14,12 +14,18 @@ uint slotOf(uint bin, uint number) {
   return placeInRuns(bin, number - bins[bin].given);
 }
 
+// Of a triangle that failed: a half that was served belongs to nobody until memory is reset, as the failure asks for.
+void loseServed(uint bin, uint number) {
+  if (bin == kNoBin || number >= bins[bin].provided) return;
+  atomicAdd(atlas.events.lost, 1u);
+  atomicAdd(atlas.events.lostTexels, bins[bin].cellWidth * bins[bin].cellHeight / 2u);
+}
+
 bool served(uint bin, uint number) { return bin == kNoBin || number < bins[bin].provided; }
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
-  if (i == 0u) liveCount = visibleCount;
   uint triangle = visibleIds[i];
   TessState state = states[triangle];
   if (state.pending != 0u) {
@@ -29,8 +35,9 @@ void main() {
       if (wanted.y != kNoBin) state.place1 = slotOf(wanted.y, state.place1);
       atomicAdd(atlas.liveTexels, texelsOfShape(state.shape));
     } else {
-      // A half that was served is lost until memory is reset, as the failure asks for.
       atomicAdd(atlas.events.failures, 1u);
+      loseServed(wanted.x, state.place0);
+      loseServed(wanted.y, state.place1);
       state.shape.kind = kTessSingle;
       state.place0 = tessRecord(atlas.config, triangle);
     }

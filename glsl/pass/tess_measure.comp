@@ -56,7 +56,7 @@ void main() {
     if (longestOf(seen) > longestOf(best)) best = seen;
   }
   measures[i] = best;
-  uint texels = texelsOfShape(shapeAt(best, exp2(-0.5 * atlas.config.constantBias), atlas.config.slanted));
+  uint texels = texelsOfShape(shapeAt(best, exp2(-0.5 * atlas.config.constantBias), atlas.config.limits));
   uint part = gl_WorkGroupID.x % kTessIdeals;
   if (texels <= 1u) {
     atomicAdd(atlas.ideal[part].singles, 1u);

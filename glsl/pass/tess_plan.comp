@@ -1,7 +1,8 @@
 // Opens a round of the tessellation gatherer's memory phases. The first of a frame sets the target S and the bias, and
 // says whether all memory is freed. Where a round found no room for all, the next one frees all memory and tries again,
-// from the second on with coarser levels: a frame does not show what waits for memory. Rounds that are not needed cost an
-// empty dispatch. One group.
+// from the second on with coarser levels: a frame does not show what waits for memory. Where levels may not be coarser, one
+// more round is all, and not more often than pressure resets memory. Rounds that are not needed cost an empty dispatch.
+// One group.
 #include "lib/tess_state.glsl"
 
 layout(local_size_x = 128) in;
@@ -18,6 +19,8 @@ void freeAll() {
   atlas.rects[0] = FreeRect(0u, 0u, atlas.config.width, atlas.config.height);
   atlas.cellTexels = 0u;
   atlas.liveTexels = 0u;
+  atlas.events.lost = 0u;
+  atlas.events.lostTexels = 0u;
 }
 
 void openFrame() {
@@ -47,9 +50,18 @@ void openFrame() {
   ++atlas.frames;
 }
 
+bool triesAgain() {
+  if (atlas.failed == 0u || (uAsked & 2u) != 0u) return false;
+  return atlas.config.biased != 0u || (uRound == 1u && atlas.pressure.sinceReset >= atlas.pressure.wait);
+}
+
 void openRound() {
   atlas.round = uRound;
   freeing = true;
+  if (atlas.config.biased == 0u) {
+    atlas.pressure.sinceReset = 0u;
+    atlas.pressure.wait = min(2u * atlas.pressure.wait, kLongestResetWait);
+  }
   if (uRound < 2u || atlas.config.biased == 0u) return;
   // What was wanted came after a reset, so it is all there is.
   float area = float(atlas.config.width * atlas.config.height);
@@ -72,14 +84,14 @@ void closeBin(uint bin) {
 void main() {
   uint i = gl_LocalInvocationIndex;
   if (i == 0u) {
-    bool held = (uAsked & 2u) != 0u;
-    running = uRound == 0u || (atlas.failed > 0u && !held);
+    running = uRound == 0u || triesAgain();
     freeing = false;
     if (running) {
       if (uRound == 0u) openFrame();
       else openRound();
       if (freeing) freeAll();
     }
+    if (uRound == 1u) liveCount = visibleCount;  // what is gone was released
     uint count = uRound == 0u ? max(visibleCount, liveCount) : visibleCount;
     atlas.requestGroupsX = running ? (count + uint(TESS_GROUP) - 1u) / uint(TESS_GROUP) : 0u;
     atlas.requestGroupsY = 1u;

@@ -39,7 +39,7 @@ bool sameSize(TessShape a, TessShape b) { return a.kind == b.kind && a.size == b
 void request(uint triangle, TessMeasure measure) {
   TessState state = states[triangle];
   bool known = state.epoch == atlas.epoch;
-  TessShape shape = selectShape(measure, atlas.config.constantBias + atlas.bias, atlas.config.slanted, state.shape,
+  TessShape shape = selectShape(measure, atlas.config.constantBias, atlas.bias, atlas.config.limits, state.shape,
                                 known ? atlas.config.hysteresis : -1.0);
   if (known && sameSize(shape, state.shape)) {
     if (shape.form != state.shape.form) states[triangle].shape.form = shape.form;  // the same blocks, another foot
@@ -73,6 +73,6 @@ void main() {
   if (i < visibleCount) {
     uint triangle = visibleIds[i];
     request(triangle, measures[i]);
-    liveIds[i] = triangle;  // for the next frame; nobody else reads place i. assign sets the count
+    liveIds[i] = triangle;  // for the next frame; nobody else reads place i. plan sets the count
   }
 }

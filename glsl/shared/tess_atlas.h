@@ -129,6 +129,15 @@ SHARED_CONST uint kTessRounds = 4u;
 // More than these are not remembered: the smallest are lost until memory is reset.
 SHARED_CONST uint kFreeRects = 256u;
 
+// What sizes a triangle's samples may have: what is larger is sampled more coarsely. A cell must fit into the atlas.
+struct TessLimits {
+  float slanted;  // longest edge to height beyond which a triangle is slanted
+  float level;    // of an L; whole, at most kLargestLevel
+  float columns;  // texels along the base of a block, at most kOverWidest
+};
+SHARED_CONST float kOverWidest = 1023.0;
+SHARED_CONST float kOverHighest = 127.0;  // texels of the height of a block
+
 struct TessConfig {
   uint width;          // texels
   uint height;         // texels, without the record rows
@@ -139,7 +148,7 @@ struct TessConfig {
   float constantBias;  // log2 of area
   float lowestBias;
   float hysteresis;    // log2 of length; negative for none
-  float slanted;       // longest edge to height beyond which a triangle is slanted
+  TessLimits limits;
   PressureConfig pressure;
 };
 

@@ -12,9 +12,6 @@ using glm::ceil;
 
 SHARED_CONST float kSingleLength = 1.0;  // pixels; up to this one texel is enough
 SHARED_CONST float kFlattest = 1.0e-6;   // of the longest edge: the height that a flat triangle counts as
-// Texels that a block of Oversampling may be wide and high: what is larger is sampled more coarsely.
-SHARED_CONST float kOverWidest = 1000.0;
-SHARED_CONST float kOverHighest = 127.0;
 
 // Lengths are angles times pixels per radian, so they do not depend on where the camera looks, and a triangle that
 // reaches behind it has one. Corners are relative to the eye.
@@ -56,22 +53,29 @@ SHARED_FN bool isSlanted(TessMeasure measure, float threshold) {
   return longest > threshold * max(measure.height, kFlattest * longest);
 }
 
+// A scale of its lengths that keeps a triangle's shape within the limits, but for rounding: `scale` or less.
+SHARED_FN float scaleWithin(TessMeasure measure, float scale, TessLimits limits) {
+  float base = longestOf(measure) * scale;
+  if (!isFiniteNumber(base) || !(base > kSingleLength)) return scale;
+  if (!isSlanted(measure, limits.slanted)) return scale * min(kLevelOne, limits.level / base);
+  return scale * min(kLevelOne, min(limits.columns / base, kOverHighest / max(measure.height * scale, kLevelOne)));
+}
+
 // What a triangle asks for at a scale of its lengths.
-SHARED_FN TessShape shapeAt(TessMeasure measure, float scale, float slanted) {
+SHARED_FN TessShape shapeAt(TessMeasure measure, float scale, TessLimits limits) {
   TessShape shape;
   shape.kind = kTessSingle;
   shape.size = 0u;
   shape.form = 0u;
   float base = longestOf(measure) * scale;
   if (!isFiniteNumber(base) || !(base > kSingleLength)) return shape;
-  if (!isSlanted(measure, slanted)) {
-    shape.kind = kindOfL(uint(ceil(min(base, float(kLargestLevel)))));
+  if (!isSlanted(measure, limits.slanted)) {
+    shape.kind = kindOfL(uint(ceil(min(base, limits.level))));
     return shape;
   }
-  float height = measure.height * scale;
-  float fit = min(kLevelOne, min(kOverWidest / base, kOverHighest / max(height, kLevelOne)));
-  vec3 edges = vec3(measure.edge0, measure.edge1, measure.edge2) * (scale * fit);
-  return shapeOfOver(overShapeOf(edges, height * fit));
+  float fit = scaleWithin(measure, scale, limits);
+  vec3 edges = vec3(measure.edge0, measure.edge1, measure.edge2) * fit;
+  return shapeOfOver(overShapeOf(edges, measure.height * fit));
 }
 
 SHARED_FN bool sizeWithin(uint held, uint low, uint high) { return held >= low && held <= high; }
@@ -94,14 +98,17 @@ SHARED_FN bool overWithin(OverShape held, OverShape least, OverShape most) {
          9u * steps + 18u >= 8u * overStepsOf(least) && 8u * steps <= 9u * overStepsOf(most) + 16u;
 }
 
-// The shape under a bias, log2 of area. `previous` is kept while it is one for lengths within `hysteresis` (in log2)
+// The shape under two biases, log2 of area. `pressure` is taken off what the limits leave of the triangle: else those past
+// them would not shrink at all. `previous` is kept while it is one for lengths within `hysteresis` (in log2)
 // of the triangle's; pass hysteresis < 0 for none.
-SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float slanted, TessShape previous, float hysteresis) {
-  float scale = exp2(-kLevelHalf * clamp(bias, -kLargestBias, kLargestBias));
-  if (!(hysteresis >= kLevelZero)) return shapeAt(measure, scale, slanted);
+SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float pressure, TessLimits limits, TessShape previous,
+                                float hysteresis) {
+  float scale = scaleWithin(measure, exp2(-kLevelHalf * clamp(bias, -kLargestBias, kLargestBias)), limits) *
+                exp2(-kLevelHalf * clamp(pressure, -kLargestBias, kLargestBias));
+  if (!(hysteresis >= kLevelZero)) return shapeAt(measure, scale, limits);
   float slack = exp2(hysteresis);
-  TessShape low = shapeAt(measure, scale / slack, slanted);
-  TessShape high = shapeAt(measure, scale * slack, slanted);
+  TessShape low = shapeAt(measure, scale / slack, limits);
+  TessShape high = shapeAt(measure, scale * slack, limits);
   uint kind = kindOf(previous.kind);
   bool keeps = false;
   if (kind == kTessSingle) {
@@ -120,7 +127,7 @@ SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float slanted, 
     }
   }
   if (keeps) return previous;
-  return shapeAt(measure, scale, slanted);
+  return shapeAt(measure, scale, limits);
 }
 
 TESSERA_SHARED_END

@@ -90,8 +90,12 @@ SHARED_FN Probe probe(uint index) {
   vec3 v2 = probeCorner(e);
   TessMeasure measure = measureTriangle(v0, v1, v2, float(30));
   found.measure = vec4(measure.edge0, measure.edge1, measure.edge2, measure.height);
-  TessShape held = shapeAt(measure, exp2((probeUnit(d) - float(1) / float(2)) / float(8)), float(4));
-  TessShape shape = selectShape(measure, float(4) * probeUnit(b), float(4), held, float(1) / float(20));
+  TessLimits limits;
+  limits.slanted = float(4);
+  limits.level = float(20);
+  limits.columns = float(40);
+  TessShape held = shapeAt(measure, exp2((probeUnit(d) - float(1) / float(2)) / float(8)), limits);
+  TessShape shape = selectShape(measure, float(0), float(4) * probeUnit(b), limits, held, float(1) / float(20));
   found.shape = uvec4(shape.kind, shape.size, shape.form, texelsOfShape(shape));
   vec3 weights = depthWeights(v0, v1, v2);
   vec3 surface = surfaceFromEvenOutside(even, weights);

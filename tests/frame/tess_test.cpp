@@ -462,6 +462,27 @@ TEST_F(TessFrame, LinearColoursAreReproducedAcrossLevels) {
   }
 }
 
+// Few samples over a steep ramp: what filtering makes of the cells on an L's seams would show.
+TEST_F(TessFrame, CoarseSamplesReproduceARampToo) {
+  Scene scene = test::emptyScene();
+  const auto index = test::addMaterial(scene, test::unlit());
+  test::place(scene, test::addGrid(scene, {-0.6f, -0.4f, -1}, {1.2f, 0.1f, 0}, {0.1f, 0.9f, -0.3f}, 1, 1,
+                                   index, true));
+  for (glm::vec4& color : scene.vertices.color) color = glm::vec4(glm::vec3(color) * 0.6f + 0.3f, 1.0f);
+  test::finish(scene);
+  auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Rgba16f));
+  ASSERT_TRUE(engine);
+  const View view = frontView();
+  const Image forward = forwardOf(*engine, view);
+  for (const Method& method : kMethods)
+    for (const float bias : {8.0f, 10.0f, 11.0f, 12.0f}) {
+      TessAtlasOptions options = tessAtlas(AtlasFormat::Rgba16f, method.slanted);
+      options.memory.bias = bias;
+      ASSERT_TRUE(engine->remakeAtlas(options));
+      EXPECT_LE(largestDifference(drawn(*engine, view), forward), 1) << method.name << ", bias " << bias;
+    }
+}
+
 TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
   Scene scene = test::emptyScene();
   const auto index = test::addMaterial(scene, test::unlit());
@@ -539,6 +560,7 @@ TEST_F(TessFrame, CullingMaskMirrorAndDoubleSideMatchForward) {
       const auto similarity = mssim(forward, image);
       ASSERT_TRUE(similarity);
       EXPECT_GT(similarity->mean, 0.95) << "side " << side << " mode " << static_cast<int>(mode);
+      EXPECT_LT(meanDifference(image, forward), 0.5) << "side " << side << " mode " << static_cast<int>(mode);
     }
   }
 }

@@ -52,6 +52,11 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
                   "lowest bias that room to spare may lead to: 0 none, -2 up to four times the texels")
       ->check(CLI::Range(-4.0, 0.0))
       ->capture_default_str();
+  command
+      .add_option("--texture-bias", choice.textureBias,
+                  "added to the mip level of textures where texels are shaded: below 0 is sharper")
+      ->check(CLI::Range(-2.0, 1.0))
+      ->capture_default_str();
   command.add_option("--strategy", choice.strategy, "memory strategy: S0 (the one to use), S1, S2, S3")
       ->check(CLI::IsMember({"S0", "S1", "S2", "S3"}))
       ->capture_default_str();
@@ -152,6 +157,10 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
+}
+
+ShadeOptions shadeOptions(const AtlasChoice& choice) {
+  return {.textureBias = static_cast<float>(choice.textureBias)};
 }
 
 namespace {

@@ -38,6 +38,7 @@ struct AtlasChoice {
   double bias = 0.0;
   bool pressureBias = true;
   double biasFloor = 0.0;
+  double textureBias = ShadeOptions().textureBias;
   std::string strategy = "S0";
   bool merge = true;
   int superblock = 0;        // texels a side; 0: the engine's default, as for what follows
@@ -67,6 +68,8 @@ Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 Result<glm::ivec2> parseSize(const std::string& text);
 /// The engine's options for an atlas of about `megapixels` (2^20 texels each).
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
+/// How its texels are shaded.
+ShadeOptions shadeOptions(const AtlasChoice& choice);
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
 /// The stage that the project ships for a scene of this file name, if there is one.
 std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene);

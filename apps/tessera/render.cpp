@@ -123,7 +123,7 @@ Result<void> render(const RenderOptions& options) {
     if (engineSetup->request.rect) {
       engine.findVisible({&timed.view, 1});
       if (auto placed = engine.place({&timed.view, 1}, reuse); !placed) return placed;
-      engine.shade(timed.view);
+      engine.shade(timed.view, shadeOptions(options.atlas));
     }
     Image picture;
     if (!options.view.empty()) {

@@ -1,5 +1,6 @@
 // Passes of the rectangular atlas: place, shade, display.
 #include <algorithm>
+#include <cmath>
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -38,7 +39,7 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
   return {};
 }
 
-void Engine::shade(const View& view) {
+void Engine::shade(const View& view, const ShadeOptions& options) {
   State& s = *s_;
   if (!s.atlas) return;
   const auto guard = s.guard();
@@ -47,6 +48,8 @@ void Engine::shade(const View& view) {
   s.atlas->bind();
   const auto width = static_cast<float>(s.atlas->texture().width());
   const auto height = static_cast<float>(s.atlas->texture().height());
+  const float textureBias =
+      std::isnan(options.textureBias) ? 0.0f : std::clamp(options.textureBias, -2.0f, 1.0f);
   s.pass("gather", [&] {
     s.atlas->beginShading();
     gl::apply({.encodeSrgb = true});
@@ -55,6 +58,8 @@ void Engine::shade(const View& view) {
         const BatchPrograms& programs = s.batchPrograms[b];
         programs.gather->use();
         setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
+        if (programs.shading.usesUv0 || programs.shading.usesUv1)
+          gl::api().ProgramUniform1f(programs.gather->get(), LOCATION_TEXTURE_BIAS, textureBias);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
         s.atlas->drawBatch(b);
       }

@@ -119,7 +119,7 @@ Run addCompare(CLI::App& app) {
               "--methods", options->methods,
               "comma-separated: forward, forward-prepass, forward-lanczos, forward-stereo, warp-stereo, "
               "rect, rect-deferred, rect-stereo; rect ones take settings after a colon, joined by +: "
-              "mpix=N, bias=N, bias=off, floor=N, foveate, lens")
+              "mpix=N, bias=N, bias=off, floor=N, texbias=N, foveate, lens")
           ->delimiter(',')
           ->capture_default_str();
   auto* figures =

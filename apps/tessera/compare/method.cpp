@@ -48,6 +48,7 @@ Result<void> apply(Method& method, std::string_view setting) {
     return {};
   }
   if (key == "bias") return set(method.atlas.bias, -8.0, 16.0);
+  if (key == "texbias") return set(method.atlas.textureBias, -2.0, 1.0);
   PlaceOptions& placing = method.spatial.options;
   if (setting == "foveate") {
     if (!placing.foveation) placing.foveation.emplace();
@@ -57,7 +58,7 @@ Result<void> apply(Method& method, std::string_view setting) {
     if (!placing.lens) placing.lens.emplace();
     return {};
   }
-  return fail("not one of mpix=N, bias=N, bias=off, floor=N, foveate, lens");
+  return fail("not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, foveate, lens");
 }
 
 }  // namespace

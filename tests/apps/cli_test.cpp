@@ -52,6 +52,7 @@ TEST_F(Cli, BadArgumentsAreNamed) {
                                       {"rect:mpix=0", "mpix=0"},
                                       {"rect:mpix=nan", "mpix=nan"},
                                       {"rect:floor=1", "floor=1"},
+                                      {"rect:texbias=1.5", "texbias=1.5"},
                                       {"rect:", "setting ''"},
                                       {"rect:lens=2", "lens=2"},
                                       {"rect-stereo:lens+foveated", "foveated"},
@@ -194,7 +195,7 @@ TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
   const Ran ran = run(fmt::format(
       "compare '{}' -o report --size 320x180 --frames 2 --context osmesa --methods "
       "rect-stereo:bias=off,rect-stereo:bias=off+lens,warp-stereo,forward-lanczos,rect:foveate+bias=off,"
-      "rect:bias=off+mpix=2,rect:floor=-2+mpix=2 --metrics mssim",
+      "rect:bias=off+mpix=2,rect:bias=off+mpix=2+texbias=0,rect:floor=-2+mpix=2 --metrics mssim",
       atrium()));
   ASSERT_EQ(ran.code, 0) << ran.error;
   const auto json = nlohmann::json::parse(slurp(folder_ / "report" / "report.json"));
@@ -208,7 +209,7 @@ TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
     EXPECT_EQ(method["holes"], 0.0) << order.back();
   }
   // References come first, asked for or not.
-  ASSERT_EQ(order.size(), 9u);
+  ASSERT_EQ(order.size(), 10u);
   EXPECT_EQ(order[0], "forward");
   EXPECT_EQ(order[1], "forward-stereo");
   const auto number = [&](const char* method, const char* field) {
@@ -248,6 +249,9 @@ TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
   EXPECT_GT(eyes[1].get<double>(), 0.8);
   EXPECT_DOUBLE_EQ(number("warp-stereo", "mssim"), 0.5 * (1.0 + eyes[1].get<double>()));
   EXPECT_GT(number("forward-lanczos", "mssim"), 0.5);
+  EXPECT_EQ(number("rect:bias=off+mpix=2+texbias=0", "samples_shaded"),
+            number("rect:bias=off+mpix=2", "samples_shaded"));
+  EXPECT_LT(number("rect:bias=off+mpix=2+texbias=0", "mssim"), number("rect:bias=off+mpix=2", "mssim"));
   EXPECT_LT(number("rect:foveate+bias=off", "samples_shaded"),
             number("rect:bias=off+mpix=2", "samples_shaded"));
   EXPECT_GT(number("rect:foveate+bias=off", "mssim_acuity"), number("rect:foveate+bias=off", "mssim"));

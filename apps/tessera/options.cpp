@@ -219,10 +219,11 @@ std::filesystem::path assetsFolder() {
   return TESSERA_INSTALLED_ASSETS;
 }
 
-std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene) {
-  const auto file = assetsFolder() / "stages" / scene.stem().concat(".json");
+Result<std::optional<Stage>> loadStageFor(const StageChoice& choice, const std::filesystem::path& scene) {
+  if (!choice.file.empty()) return loadStageOf(choice);
+  const auto shipped = assetsFolder() / "stages" / scene.stem().concat(".json");
   std::error_code ignored;
-  return std::filesystem::is_regular_file(file, ignored) ? std::optional(file) : std::nullopt;
+  return loadStageOf({std::filesystem::is_regular_file(shipped, ignored) ? shipped.string() : ""});
 }
 
 namespace {

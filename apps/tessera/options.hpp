@@ -68,8 +68,9 @@ Result<glm::ivec2> parseSize(const std::string& text);
 /// The engine's options for an atlas of about `megapixels` (2^20 texels each).
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
-/// The stage that the project ships for a scene of this file name, if there is one.
-std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene);
+/// As loadStageOf; without a choice, the stage that the project ships for a scene of this file name, if there
+/// is one.
+Result<std::optional<Stage>> loadStageFor(const StageChoice& choice, const std::filesystem::path& scene);
 /// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the
 /// installed.
 std::filesystem::path assetsFolder();

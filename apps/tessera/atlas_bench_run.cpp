@@ -24,17 +24,16 @@ class StreamFeed {
 
   /// Uploads a frame; RectMemory::allocate(dispatch(), number()) comes next.
   void upload(const RequestFrame& frame, const glsl::AtlasConfig& config, RectMemory& memory) {
-    const IdealTexels ideal = sumIdeal(config, frame.measures);
-    std::uint64_t fresh = 0;  // of patches that the last frame did not see
+    fresh_.clear();
     ++number_;
     const auto count = static_cast<std::uint32_t>(frame.patches.size());
     for (std::uint32_t i = 0; i < count; ++i) {
       std::uint32_t& seen = numbers_[frame.patches[i]];
-      const glsl::uint texels = glsl::idealTexels(frame.measures[i], config.constantBias, config.range);
-      // As rect_measure.comp sums it: patches at the smallest block are left out.
-      if ((seen == 0 || seen + 1 != number_) && texels != glsl::smallestTexels(config.range)) fresh += texels;
+      if (seen == 0 || seen + 1 != number_) fresh_.push_back(frame.measures[i]);
       seen = number_;
     }
+    const IdealTexels ideal = sumIdeal(config, frame.measures);
+    const std::uint64_t fresh = sumIdeal(config, fresh_).scalable;
     list_.writeValue(count);
     list_.write(std::span<const std::uint32_t>(frame.patches), sizeof(std::uint32_t));
     marks_.write(std::span<const std::uint32_t>(numbers_));
@@ -58,7 +57,8 @@ class StreamFeed {
   gl::Buffer list_;
   gl::Buffer marks_;
   gl::Buffer dispatch_;
-  std::vector<std::uint32_t> numbers_;  // the frame each patch was last visible in
+  std::vector<std::uint32_t> numbers_;     // the frame each patch was last visible in
+  std::vector<glsl::PatchMeasure> fresh_;  // of patches that the last frame did not see
   std::uint32_t number_ = 0;
 };
 

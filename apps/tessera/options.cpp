@@ -99,6 +99,17 @@ void addSpatial(CLI::App& command, SpatialChoice& choice) {
       ->expected(0, 1);
 }
 
+Result<void> checkFinite(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    // "FLOAT", or "[FLOAT,...]", with the range behind it.
+    if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+    for (const std::string& value : option->results())
+      if (!std::isfinite(std::strtod(value.c_str(), nullptr)))
+        return fail("{} {}: not a finite number", option->get_name(), value);
+  }
+  return {};
+}
+
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice) {
   if (choice.name == "osmesa") return gl::Context::createOsMesa();
   if (choice.name == "egl") return gl::Context::createEgl();
@@ -269,10 +280,6 @@ Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& 
   if (choice.fovY && !(*choice.fovY >= 0.1 && *choice.fovY <= 175.0))
     return fail("--fov-y {}: outside 0.1 to 175 degrees", *choice.fovY);
   if (choice.eye.empty() != choice.target.empty()) return fail("--eye and --target go together");
-  for (const double value : choice.eye)
-    if (!std::isfinite(value)) return fail("--eye: {} is not a number", value);
-  for (const double value : choice.target)
-    if (!std::isfinite(value)) return fail("--target: {} is not a number", value);
   const int given = static_cast<int>(!choice.camera.empty()) + static_cast<int>(!choice.eye.empty()) +
                     static_cast<int>(!choice.path.empty());
   if (given > 1) return fail("--camera, --eye with --target, and --path exclude each other");

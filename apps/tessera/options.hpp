@@ -62,6 +62,8 @@ void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
 void addSpatial(CLI::App& command, SpatialChoice& choice);
 
+/// Fails with the first number given that is not finite: CLI11's range checks let NaN pass.
+Result<void> checkFinite(const CLI::App& command);
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
 Result<glm::ivec2> parseSize(const std::string& text);

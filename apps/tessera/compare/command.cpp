@@ -64,8 +64,6 @@ Result<std::vector<Method>> methodsOf(const CompareOptions& options,
 }
 
 Result<void> compare(const CompareOptions& options) {
-  if (!std::isfinite(options.eyeDistance))
-    return fail("--eye-distance {}: not a number", options.eyeDistance);
   auto size = parseSize(options.size.text);
   if (!size) return tl::unexpected(size.error());
   auto figures = figuresOf(options.figures);

@@ -63,6 +63,11 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
+  command
+      .add_option("--smallest-block", choice.smallestBlock,
+                  "texels that no side of a block is shorter than, 1 to 1024")
+      ->check(CLI::Range(1, 1024))
+      ->check(powerOfTwo);
   command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
@@ -147,6 +152,7 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   const double texels = choice.megapixels * 1048576.0;
   const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
   if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
+  if (choice.smallestBlock > 0) memory.smallestLog2 = log2Of(choice.smallestBlock);
   if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
   if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
   if (choice.highWater > 0.0) memory.highWater = static_cast<float>(choice.highWater);

@@ -41,6 +41,7 @@ struct AtlasChoice {
   std::string strategy = "S0";
   bool merge = true;
   int superblock = 0;        // texels a side; 0: the engine's default, as for what follows
+  int smallestBlock = 0;     // texels a side
   int largestBlock = 0;      // texels a side
   int largestAspect = 0;     // width to height
   double highWater = 0.0;    // share of the atlas

@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "apps/tessera/commands.hpp"
-#include "engine/core/file.hpp"
+#include "apps/tessera/report_output.hpp"
 #include "engine/gl/timer.hpp"
 
 namespace tessera::app {
@@ -176,18 +176,14 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
     if (!stream) return tl::unexpected(stream.error());
     loaded.push_back(std::move(*stream));
   }
-  std::error_code error;
-  std::filesystem::create_directories(options.output, error);
-  if (error) return fail("{}: cannot be created ({})", options.output, error.message());
+  auto files = ReportFiles::create(options.output, "atlas_bench");
+  if (!files) return tl::unexpected(files.error());
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   gl::ProgramCache programs(**context);
 
   BenchReport report;
-  const gl::ContextInfo& info = (*context)->info();
-  report.context = {
-      info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
-      options.command};
+  report.context = reportContext((*context)->info(), options.command);
   report.settings = fmt::format(
       "Superblocks of {} texels a side; high-water mark {:.0f} %; target from {:.0f} to {:.0f} % of the "
       "atlas; lowest "
@@ -209,11 +205,7 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
   }
   for (const RequestStream& stream : loaded)
     if (auto done = bench(stream); !done) return done;
-  const std::filesystem::path folder(options.output);
-  if (auto written = writeFile(folder / "atlas_bench.json", toJson(report)); !written) return written;
-  if (auto written = writeFile(folder / "atlas_bench.html", toHtml(report)); !written) return written;
-  fmt::print("{}\n", (folder / "atlas_bench.html").string());
-  return {};
+  return files->write(toJson(report), toHtml(report));
 }
 
 }  // namespace
@@ -246,11 +238,8 @@ Run addAtlasBench(CLI::App& app) {
   // All strategies run, and no texel is drawn that would have a format.
   for (const char* unused : {"--strategy", "--no-merge", "--atlas-format"})
     command.remove_option(command.get_option(unused));
-  return [options] {
-    options->command = "tessera atlas-bench";
-    for (const auto* files : {&options->scenes, &options->load})
-      for (const std::string& file : *files)
-        options->command += " " + std::filesystem::path(file).filename().string();
+  return [options](const std::string& line) {
+    options->command = line;
     return atlasBench(*options);
   };
 }

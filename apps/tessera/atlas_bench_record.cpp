@@ -38,10 +38,7 @@ void addTimes(const std::vector<PassTime>& passes, RequestFrame& frame) {
 
 Result<RequestStream> recordRequests(gl::Context& context, const std::string& file,
                                      const AtlasBenchOptions& options, glm::ivec2 size) {
-  StageChoice stageChoice = options.stage;
-  if (stageChoice.file.empty())
-    if (const auto shipped = shippedStage(file)) stageChoice.file = shipped->string();
-  auto stage = loadStageOf(stageChoice);
+  auto stage = loadStageFor(options.stage, file);
   if (!stage) return tl::unexpected(stage.error());
   auto setup = engineOptions(options.atlas);
   if (!setup) return tl::unexpected(setup.error());

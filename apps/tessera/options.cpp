@@ -68,6 +68,11 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
+  command
+      .add_option("--smallest-block", choice.smallestBlock,
+                  "texels that no side of a block is shorter than, 1 to 1024")
+      ->check(CLI::Range(1, 1024))
+      ->check(powerOfTwo);
   command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
@@ -102,6 +107,17 @@ void addSpatial(CLI::App& command, SpatialChoice& choice) {
       .add_option("--lens", choice.lens,
                   "draw through a lens, and shade less where it presses together; k1,k2, else 0.22,0.24")
       ->expected(0, 1);
+}
+
+Result<void> checkFinite(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    // "FLOAT", or "[FLOAT,...]", with the range behind it.
+    if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+    for (const std::string& value : option->results())
+      if (!std::isfinite(std::strtod(value.c_str(), nullptr)))
+        return fail("{} {}: not a finite number", option->get_name(), value);
+  }
+  return {};
 }
 
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice) {
@@ -141,6 +157,7 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   const double texels = choice.megapixels * 1048576.0;
   const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
   if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
+  if (choice.smallestBlock > 0) memory.smallestLog2 = log2Of(choice.smallestBlock);
   if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
   if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
   if (choice.highWater > 0.0) memory.highWater = static_cast<float>(choice.highWater);
@@ -228,10 +245,11 @@ std::filesystem::path assetsFolder() {
   return TESSERA_INSTALLED_ASSETS;
 }
 
-std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene) {
-  const auto file = assetsFolder() / "stages" / scene.stem().concat(".json");
+Result<std::optional<Stage>> loadStageFor(const StageChoice& choice, const std::filesystem::path& scene) {
+  if (!choice.file.empty()) return loadStageOf(choice);
+  const auto shipped = assetsFolder() / "stages" / scene.stem().concat(".json");
   std::error_code ignored;
-  return std::filesystem::is_regular_file(file, ignored) ? std::optional(file) : std::nullopt;
+  return loadStageOf({std::filesystem::is_regular_file(shipped, ignored) ? shipped.string() : ""});
 }
 
 namespace {
@@ -277,10 +295,6 @@ Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& 
   if (choice.fovY && !(*choice.fovY >= 0.1 && *choice.fovY <= 175.0))
     return fail("--fov-y {}: outside 0.1 to 175 degrees", *choice.fovY);
   if (choice.eye.empty() != choice.target.empty()) return fail("--eye and --target go together");
-  for (const double value : choice.eye)
-    if (!std::isfinite(value)) return fail("--eye: {} is not a number", value);
-  for (const double value : choice.target)
-    if (!std::isfinite(value)) return fail("--target: {} is not a number", value);
   const int given = static_cast<int>(!choice.camera.empty()) + static_cast<int>(!choice.eye.empty()) +
                     static_cast<int>(!choice.path.empty());
   if (given > 1) return fail("--camera, --eye with --target, and --path exclude each other");

@@ -42,6 +42,7 @@ struct AtlasChoice {
   std::string strategy = "S0";
   bool merge = true;
   int superblock = 0;        // texels a side; 0: the engine's default, as for what follows
+  int smallestBlock = 0;     // texels a side
   int largestBlock = 0;      // texels a side
   int largestAspect = 0;     // width to height
   double highWater = 0.0;    // share of the atlas
@@ -63,6 +64,8 @@ void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
 void addSpatial(CLI::App& command, SpatialChoice& choice);
 
+/// Fails with the first number given that is not finite: CLI11's range checks let NaN pass.
+Result<void> checkFinite(const CLI::App& command);
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
 Result<glm::ivec2> parseSize(const std::string& text);
@@ -71,8 +74,9 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 /// How its texels are shaded.
 ShadeOptions shadeOptions(const AtlasChoice& choice);
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
-/// The stage that the project ships for a scene of this file name, if there is one.
-std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene);
+/// As loadStageOf; without a choice, the stage that the project ships for a scene of this file name, if there
+/// is one.
+Result<std::optional<Stage>> loadStageFor(const StageChoice& choice, const std::filesystem::path& scene);
 /// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the
 /// installed.
 std::filesystem::path assetsFolder();

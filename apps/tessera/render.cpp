@@ -180,7 +180,7 @@ Run addRender(CLI::App& app) {
   addStage(command, options->stage);
   addAtlas(command, options->atlas);
   addSpatial(command, options->spatial);
-  return [options] { return render(*options); };
+  return [options](const std::string&) { return render(*options); };
 }
 
 }  // namespace tessera::app

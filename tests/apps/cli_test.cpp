@@ -44,7 +44,14 @@ TEST_F(Cli, BadArgumentsAreNamed) {
   expectRefused(fmt::format("render '{}' -o a.png --fov-y 200", atrium()), "200");
   expectRefused(fmt::format("render '{}' -o a.png --path nowhere.json", atrium()), "nowhere.json");
   const std::string compare = fmt::format("compare '{}' -o r ", atrium());
-  expectRefused(compare + "--methods rect-stereo --eye-distance nan", "--eye-distance nan");
+  // Ranges alone let NaN pass.
+  for (const char* number :
+       {"--atlas-mpix nan", "--bias nan", "--bias-floor nan", "--high-water nan", "--hysteresis nan",
+        "--split-edges nan", "--fps nan", "--fov-y nan", "--eye-distance nan", "--eye-distance=-nan"})
+    expectRefused(compare + number, "nan: not a finite number");
+  expectRefused(compare + "--eye 1,nan,2 --target 0,0,0", "--eye nan: not a finite number");
+  expectRefused(compare + "--eye 1,2,3 --target 0,inf,0", "--target inf: not a finite number");
+  expectRefused(compare + "--fps 1e999", "fps");
   for (const auto& [method, named] : {std::pair<std::string, std::string>{"rect:blur=2", "blur=2"},
                                       {"rect:bias=17", "bias=17"},
                                       {"rect:bias=", "bias="},
@@ -139,6 +146,8 @@ TEST_F(Cli, FoveationAndLensAreOptionsOfRender) {
   const std::string out = fmt::format("render '{}' -o a.png ", atrium());
   expectRefused(out + "--foveate 0.5", "--foveate 0.5");
   expectRefused(out + "--foveate nan,0", "nan");
+  expectRefused(out + "--foveate 1e300,0.5", "1e+300");
+  expectRefused(out + "--foveate 0.5,-10.5", "-10.5");
   expectRefused(out + "--lens 1x2", "--lens 1");
   expectRefused(out + "--lens=-1,0", "k1 -1");
   expectRefused(out + "--gaze none.json", "none.json");

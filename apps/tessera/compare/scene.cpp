@@ -30,10 +30,7 @@ FrameRequest requestOf(const std::vector<Method>& methods) {
 Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
                                  const std::vector<Method>& methods, const CompareOptions& options,
                                  glm::ivec2 size) {
-  StageChoice stageChoice = options.stage;
-  if (stageChoice.file.empty())
-    if (const auto shipped = shippedStage(file)) stageChoice.file = shipped->string();
-  auto stage = loadStageOf(stageChoice);
+  auto stage = loadStageFor(options.stage, file);
   if (!stage) return tl::unexpected(stage.error());
   auto setup = engineOptions(options.atlas);
   if (!setup) return tl::unexpected(setup.error());

@@ -12,10 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string percent(double share, int decimals) {
-  return std::isnan(share) ? kDash : formatFixed(100.0 * share, decimals) + " %";
-}
-
 std::string headRow(const std::vector<std::string>& names) {
   std::string out = "<thead><tr>";
   for (const std::string& name : names) out += "<th scope=\"col\">" + name + "</th>";
@@ -36,10 +32,10 @@ std::vector<std::string> summaryCells(const BenchSummary& s) {
   return {formatCount(static_cast<double>(s.oomFrames)),
           formatCount(s.reduced),
           formatCount(static_cast<double>(s.resets)),
-          percent(s.liveShare, 1),
-          percent(s.keptPlace, 2),
-          percent(s.movedShare, 2),
-          percent(s.movedShareOutsideResets, 2),
+          formatShare(s.liveShare),
+          formatShare(s.keptPlace, 2),
+          formatShare(s.movedShare, 2),
+          formatShare(s.movedShareOutsideResets, 2),
           formatFixed(s.bias, 2),
           timingCell(s.ms)};
 }
@@ -88,11 +84,11 @@ std::string speedTable(const BenchReport& report) {
     const double gpu =
         scene.strategies.empty() ? kNotMeasured : summarize(scene.strategies.front()).ms.median;
     const double speedUp = cpu / gpu;
-    out +=
-        row(escapeHtml(scene.scene),
-            {formatDuration(cpu), formatDuration(gpu),
-             std::isfinite(speedUp) ? formatFixed(speedUp, speedUp < 10 ? 2 : 0) + " ×" : kDash,
-             formatDuration(scene.frameMs.median), percent(scene.memoryMs.median / scene.frameMs.median, 2)});
+    out += row(
+        escapeHtml(scene.scene),
+        {formatDuration(cpu), formatDuration(gpu),
+         std::isfinite(speedUp) ? formatFixed(speedUp, speedUp < 10 ? 2 : 0) + " ×" : kDash,
+         formatDuration(scene.frameMs.median), formatShare(scene.memoryMs.median / scene.frameMs.median, 2)});
   }
   return out + "</tbody></table>\n";
 }

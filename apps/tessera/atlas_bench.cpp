@@ -31,16 +31,14 @@ Result<std::vector<BenchStrategy>> strategiesOf(const AtlasBenchOptions& options
   return strategies;
 }
 
-/// `standard` first, then one size at a time changed.
+/// `standard` first, then one size at a time changed. Not all of them need fit the atlas.
 std::vector<RectMemoryOptions> variantsOf(const RectMemoryOptions& standard) {
   std::vector<RectMemoryOptions> variants = {standard};
   const auto largestOf = [](const RectMemoryOptions& o) { return std::min(o.largestLog2, o.superblockLog2); };
   for (int log2 = 4; log2 <= static_cast<int>(glsl::kMaxBlockLog2); ++log2) {
     RectMemoryOptions variant = standard;
     variant.superblockLog2 = log2;
-    const int size = 1 << log2;
-    if (log2 != standard.superblockLog2 && variant.width % size == 0 && variant.height % size == 0)
-      variants.push_back(variant);
+    if (log2 != standard.superblockLog2) variants.push_back(variant);
   }
   for (int log2 = 4; log2 < standard.superblockLog2; ++log2) {
     RectMemoryOptions variant = standard;
@@ -60,6 +58,11 @@ std::vector<RectMemoryOptions> variantsOf(const RectMemoryOptions& standard) {
   return variants;
 }
 
+/// "256/1-256/1024": superblock, smallest and largest block, aspect.
+std::string sizesOf(const BenchVariant& v) {
+  return fmt::format("{}/{}-{}/{}", v.superblock, v.smallest, v.largest, v.aspect);
+}
+
 Result<std::vector<BenchVariant>> sweep(gl::Context& context, gl::ProgramCache& programs,
                                         const RequestStream& stream, const RectMemoryOptions& standard) {
   const auto variants = variantsOf(standard);
@@ -72,13 +75,15 @@ Result<std::vector<BenchVariant>> sweep(gl::Context& context, gl::ProgramCache& 
     result.largest = 1 << std::min(variant.largestLog2, variant.superblockLog2);
     result.aspect = 1 << variant.aspectLog2;
     result.standard = results.empty();
-    auto run =
-        runOnGpu(context, programs, stream, {"S0", AtlasStrategy::S0, variant.merge}, variant, progress);
-    if (!run)
-      return fail("superblocks of {}, blocks of {} to {}, aspect {}: {}", result.superblock, result.smallest,
-                  result.largest, result.aspect, run.error().message);
-    result.summary = summarize(*run);
-    results.push_back(result);
+    auto memory = RectMemory::create(programs, variant, stream.header().patchInstances);
+    if (memory) {
+      auto run = runOnGpu(context, std::move(*memory), stream, sizesOf(result), progress);
+      if (!run) return tl::unexpected(run.error());
+      result.summary = summarize(*run);
+    } else {
+      result.skipped = memory.error().message;
+    }
+    results.push_back(std::move(result));
   }
   return results;
 }
@@ -111,7 +116,12 @@ Result<BenchScene> benchScene(gl::Context& context, gl::ProgramCache& programs, 
   {
     Progress progress(header.scene, (strategies.size() + 1) * stream.frames());
     for (const BenchStrategy& strategy : strategies) {
-      auto run = runOnGpu(context, programs, stream, strategy, memory, progress);
+      RectMemoryOptions options = memory;
+      options.strategy = strategy.strategy;
+      options.merge = strategy.merge;
+      auto made = RectMemory::create(programs, options, header.patchInstances);
+      if (!made) return tl::unexpected(made.error());
+      auto run = runOnGpu(context, std::move(*made), stream, strategy.name, progress);
       if (!run) return tl::unexpected(run.error());
       scene.strategies.push_back(std::move(*run));
     }
@@ -145,7 +155,10 @@ void printSummary(const BenchScene& scene) {
   for (const BenchRun& run : scene.strategies) print(run.name, summarize(run));
   print(scene.quadtree.name, summarize(scene.quadtree));
   for (const BenchVariant& v : scene.sweep)
-    print(fmt::format("{}/{}-{}/{}", v.superblock, v.smallest, v.largest, v.aspect), v.summary);
+    if (v.skipped.empty())
+      print(sizesOf(v), v.summary);
+    else
+      fmt::print("  {:<13} skipped: {}\n", sizesOf(v), v.skipped);
 }
 
 Result<void> save(const RequestStream& stream, const AtlasBenchOptions& options) {

@@ -161,19 +161,41 @@ void printSummary(const BenchScene& scene) {
       fmt::print("  {:<13} skipped: {}\n", sizesOf(v), v.skipped);
 }
 
-Result<void> save(const RequestStream& stream, const AtlasBenchOptions& options) {
-  if (options.record.empty()) return {};
-  std::filesystem::path file(options.record);
-  std::error_code error;
-  if (options.scenes.size() > 1) std::filesystem::create_directories(file, error);
-  if (std::filesystem::is_directory(file, error))
-    file /= std::filesystem::path(stream.header().scene).stem().concat(".trs");
-  return stream.save(file);
+/// The file of each scene's requests, none without --record. Fails where one could not be written, or would
+/// take the place of another.
+Result<std::vector<std::filesystem::path>> recordsOf(const AtlasBenchOptions& options) {
+  using std::filesystem::path;
+  if (options.record.empty()) return std::vector<path>();
+  if (options.scenes.empty())
+    return fail("--record {}: without a scene there is nothing to record", options.record);
+  const path target(options.record);
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(target, ignored);
+  if (options.scenes.size() > 1 && !folder && std::filesystem::exists(target, ignored))
+    return fail("--record {}: is a file, {} scenes need a folder", options.record, options.scenes.size());
+  std::vector<path> files;
+  for (const std::string& scene : options.scenes) {
+    path file = target;
+    if (folder || options.scenes.size() > 1 || !target.has_filename())
+      file /= path(scene).stem().concat(".trs");
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (files[i] == file)
+        return fail("--record {}: {} and {} would both be saved as {}", options.record, options.scenes[i],
+                    scene, file.string());
+    for (const std::string& loaded : options.load)
+      if (std::filesystem::equivalent(file, loaded, ignored))
+        return fail("--record {}: {} is one of the files to --load", options.record, file.string());
+    if (auto writable = checkWritable(file); !writable) return fail("--record {}", writable.error().message);
+    files.push_back(std::move(file));
+  }
+  return files;
 }
 
 Result<void> atlasBench(const AtlasBenchOptions& options) {
   if (options.scenes.empty() && options.load.empty())
     return fail("no scene, and no --load of recorded requests");
+  if (!options.scenes.empty() && options.camera.frames < 2)
+    return fail("--frames {}: the first is not timed, so that it takes 2", options.camera.frames);
   auto size = parseSize(options.size.text);
   if (!size) return tl::unexpected(size.error());
   auto strategies = strategiesOf(options);
@@ -188,6 +210,8 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
     if (!stream) return tl::unexpected(stream.error());
     loaded.push_back(std::move(*stream));
   }
+  auto records = recordsOf(options);
+  if (!records) return tl::unexpected(records.error());
   auto files = ReportFiles::create(options.output, "atlas_bench");
   if (!files) return tl::unexpected(files.error());
   auto context = openContext(options.context);
@@ -209,10 +233,11 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
     report.scenes.push_back(std::move(*scene));
     return {};
   };
-  for (const std::string& scene : options.scenes) {
-    auto stream = recordRequests(**context, scene, options, *size);
+  for (std::size_t i = 0; i < options.scenes.size(); ++i) {
+    auto stream = recordRequests(**context, options.scenes[i], options, *size);
     if (!stream) return tl::unexpected(stream.error());
-    if (auto saved = save(*stream, options); !saved) return saved;
+    if (!records->empty())
+      if (auto saved = stream->save((*records)[i]); !saved) return saved;
     if (auto done = bench(*stream); !done) return done;
   }
   for (const RequestStream& stream : loaded)
@@ -224,9 +249,9 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
 
 Run addAtlasBench(CLI::App& app) {
   auto options = std::make_shared<AtlasBenchOptions>();
-  options->camera.path = "tour";
+  options->camera.pathUnlessChosen = "tour";
   options->camera.frames = 1000;
-  options->camera.fps = 0.0;  // unless given: as it takes to see the whole path
+  options->camera.fps = 0.0;  // unless given: as many as show the whole path
   options->atlas.megapixels = 4.0;
   options->atlas.biasFloor = -2.0;
   CLI::App& command = *app.add_subcommand(

@@ -52,6 +52,9 @@ Result<RequestStream> recordRequests(gl::Context& context, const std::string& fi
     if (!scene) return tl::unexpected(scene.error());
     const Stage* lit = *stage ? &**stage : nullptr;
     if (auto covered = coverPath(camera, lit); !covered) return tl::unexpected(covered.error());
+    if (camera.path.empty() && camera.camera.empty() && camera.eye.empty())
+      return fail("{}: its stage has no path '{}': give --path, or --camera or --eye to stand still", file,
+                  camera.pathUnlessChosen);
     auto found = viewsOf(camera, *scene, lit, size);
     if (!found) return tl::unexpected(found.error());
     views = std::move(*found);

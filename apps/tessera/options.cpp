@@ -24,7 +24,10 @@ void addCamera(CLI::App& command, CameraChoice& choice) {
   command.add_option("--eye", choice.eye, "x,y,z of the eye in metres")->delimiter(',')->expected(3);
   command.add_option("--target", choice.target, "x,y,z looked at")->delimiter(',')->expected(3);
   command.add_option("--fov-y", choice.fovY, "vertical field of view in degrees, 0.1 to 175");
-  command.add_option("--path", choice.path, "camera path: a JSON file, or the name of a path of the stage");
+  std::string path = "camera path: a JSON file, or the name of a path of the stage";
+  if (!choice.pathUnlessChosen.empty())
+    path += "; " + choice.pathUnlessChosen + ", if the stage has it and no camera or eye is chosen";
+  command.add_option("--path", choice.path, path);
   command.add_option("--frames", choice.frames, "number of frames along the path")
       ->check(CLI::Range(1, 1000000));
   command.add_option("--fps", choice.fps, "frames a second of the path")
@@ -269,23 +272,32 @@ Result<std::size_t> cameraIndex(const Scene& scene, const std::string& wanted) {
   return fail("--camera {}: {} has {} cameras:{}", wanted, scene.file, scene.cameras.size(), names);
 }
 
+const CameraPath* pathNamed(const Stage* stage, const std::string& name) {
+  if (stage == nullptr) return nullptr;
+  const auto found = std::find_if(stage->paths.begin(), stage->paths.end(),
+                                  [&](const CameraPath& path) { return path.name == name; });
+  return found == stage->paths.end() ? nullptr : &*found;
+}
+
 Result<CameraPath> pathOf(const CameraChoice& choice, const Stage* stage) {
-  if (stage != nullptr)
-    for (const CameraPath& path : stage->paths)
-      if (path.name == choice.path) return path;
+  if (const CameraPath* path = pathNamed(stage, choice.path)) return *path;
   return loadCameraPath(choice.path);
 }
+
+double durationOf(const CameraPath& path) { return path.keys.back().time - path.keys.front().time; }
 
 }  // namespace
 
 Result<void> coverPath(CameraChoice& choice, const Stage* stage) {
-  auto path = pathOf(choice, stage);
-  if (!path) return tl::unexpected(path.error());
-  if (choice.fps > 0.0) return {};
-  const double duration = path->keys.back().time - path->keys.front().time;
-  if (choice.frames < 2 || duration <= 0.0)
-    return fail("--path {}: {} frames of {} s cannot cover it", choice.path, choice.frames, duration);
-  choice.fps = (choice.frames - 1) / duration;
+  const bool chosen = !choice.path.empty() || !choice.camera.empty() || !choice.eye.empty();
+  if (!chosen && pathNamed(stage, choice.pathUnlessChosen) != nullptr) choice.path = choice.pathUnlessChosen;
+  double duration = 0.0;
+  if (!choice.path.empty()) {
+    auto path = pathOf(choice, stage);
+    if (!path) return tl::unexpected(path.error());
+    duration = durationOf(*path);
+  }
+  if (choice.fps <= 0.0) choice.fps = duration > 0.0 ? std::max(choice.frames - 1, 1) / duration : 30.0;
   return {};
 }
 
@@ -304,9 +316,8 @@ Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& 
     auto path = pathOf(choice, stage);
     if (!path) return tl::unexpected(path.error());
     const double first = path->keys.front().time;
-    const double duration = path->keys.back().time - first;
     const int frames =
-        choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(duration * choice.fps)) + 1;
+        choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(durationOf(*path) * choice.fps)) + 1;
     for (int i = 0; i < frames; ++i) {
       const double time = first + i / choice.fps;
       CameraKey key = sampleCamera(*path, time);

@@ -27,6 +27,7 @@ struct CameraChoice {
   std::vector<double> eye, target;  // three numbers each
   std::optional<double> fovY;       // degrees
   std::string path;                 // file, or the name of a path of the stage
+  std::string pathUnlessChosen;     // that of the stage which is taken where none of these is chosen
   int frames = 0;                   // 0: one picture, or all of the path at `fps`
   double fps = 30.0;
 };
@@ -95,8 +96,8 @@ struct TimedView {
   double time = 0.0;
   View view;
 };
-/// Sets `fps` so that `frames` of them cover the whole path, unless it is above 0 already. Needs a path and
-/// 2 frames.
+/// Takes `pathUnlessChosen` where the stage has it and no path, camera or eye is chosen. Sets `fps`, unless
+/// it is above 0 already, so that `frames` of them cover the whole path, however few; 30 without one.
 Result<void> coverPath(CameraChoice& choice, const Stage* stage);
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size);

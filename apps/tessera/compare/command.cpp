@@ -95,9 +95,9 @@ Result<void> compare(const CompareOptions& options) {
 
 Run addCompare(CLI::App& app) {
   auto options = std::make_shared<CompareOptions>();
-  options->camera.path = "tour";
+  options->camera.pathUnlessChosen = "tour";
   options->camera.frames = 12;
-  options->camera.fps = 0.0;  // unless given: as it takes to see the whole path
+  options->camera.fps = 0.0;  // unless given: as many as show the whole path
   CLI::App& command = *app.add_subcommand(
       "compare", "Draw the same frames by several methods; writes report.json and report.html");
   command.add_option("scenes", options->scenes, "glTF 2.0 files")->required();

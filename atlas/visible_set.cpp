@@ -1,5 +1,7 @@
 #include "atlas/visible_set.hpp"
 
+#include <algorithm>
+
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -11,9 +13,13 @@ Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, VisibleElement
   if (element == VisibleElement::Triangle) defines.emplace("TRIANGLES", "1");
   auto mark = programs.get({"pass/visible_mark.comp"}, defines);
   if (!mark) return tl::unexpected(mark.error());
+  defines.emplace("LAYERS", "1");
+  auto markLayers = programs.get({"pass/visible_mark.comp"}, defines);
+  if (!markLayers) return tl::unexpected(markLayers.error());
   auto finish = programs.get({"pass/visible_finish.comp"});
   if (!finish) return tl::unexpected(finish.error());
   set.mark_ = *mark;
+  set.markLayers_ = *markLayers;
   set.finish_ = *finish;
   set.element_ = element;
   set.capacity_ = capacity;
@@ -38,11 +44,13 @@ void VisibleSet::begin() {
 void VisibleSet::add(const gl::Texture& ids) {
   bind();
   ids.bind(UNIT_ID);
-  mark_->use();
-  mark_->set(LOCATION_FRAME, frame_);
+  const gl::Program& mark = ids.layers() > 0 ? *markLayers_ : *mark_;
+  mark.use();
+  mark.set(LOCATION_FRAME, frame_);
   constexpr int kGroup = 16;
   gl::api().DispatchCompute(static_cast<GLuint>((ids.width() + kGroup - 1) / kGroup),
-                            static_cast<GLuint>((ids.height() + kGroup - 1) / kGroup), 1);
+                            static_cast<GLuint>((ids.height() + kGroup - 1) / kGroup),
+                            static_cast<GLuint>(std::max(ids.layers(), 1)));
   gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

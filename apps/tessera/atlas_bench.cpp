@@ -8,7 +8,7 @@
 #include <fmt/core.h>
 
 #include "apps/tessera/commands.hpp"
-#include "engine/core/file.hpp"
+#include "apps/tessera/report_output.hpp"
 #include "engine/gl/timer.hpp"
 
 namespace tessera::app {
@@ -31,16 +31,14 @@ Result<std::vector<BenchStrategy>> strategiesOf(const AtlasBenchOptions& options
   return strategies;
 }
 
-/// `standard` first, then one size at a time changed.
+/// `standard` first, then one size at a time changed. Not all of them need fit the atlas.
 std::vector<RectMemoryOptions> variantsOf(const RectMemoryOptions& standard) {
   std::vector<RectMemoryOptions> variants = {standard};
   const auto largestOf = [](const RectMemoryOptions& o) { return std::min(o.largestLog2, o.superblockLog2); };
   for (int log2 = 4; log2 <= static_cast<int>(glsl::kMaxBlockLog2); ++log2) {
     RectMemoryOptions variant = standard;
     variant.superblockLog2 = log2;
-    const int size = 1 << log2;
-    if (log2 != standard.superblockLog2 && variant.width % size == 0 && variant.height % size == 0)
-      variants.push_back(variant);
+    if (log2 != standard.superblockLog2) variants.push_back(variant);
   }
   for (int log2 = 4; log2 < standard.superblockLog2; ++log2) {
     RectMemoryOptions variant = standard;
@@ -61,6 +59,11 @@ std::vector<RectMemoryOptions> variantsOf(const RectMemoryOptions& standard) {
   return variants;
 }
 
+/// "256/1-256/1024": superblock, smallest and largest block, aspect.
+std::string sizesOf(const BenchVariant& v) {
+  return fmt::format("{}/{}-{}/{}", v.superblock, v.smallest, v.largest, v.aspect);
+}
+
 Result<std::vector<BenchVariant>> sweep(gl::Context& context, gl::ProgramCache& programs,
                                         const RequestStream& stream, const RectMemoryOptions& standard) {
   const auto variants = variantsOf(standard);
@@ -73,13 +76,15 @@ Result<std::vector<BenchVariant>> sweep(gl::Context& context, gl::ProgramCache& 
     result.largest = 1 << std::min(variant.largestLog2, variant.superblockLog2);
     result.aspect = 1 << variant.aspectLog2;
     result.standard = results.empty();
-    auto run =
-        runOnGpu(context, programs, stream, {"S0", AtlasStrategy::S0, variant.merge}, variant, progress);
-    if (!run)
-      return fail("superblocks of {}, blocks of {} to {}, aspect {}: {}", result.superblock, result.smallest,
-                  result.largest, result.aspect, run.error().message);
-    result.summary = summarize(*run);
-    results.push_back(result);
+    auto memory = RectMemory::create(programs, variant, stream.header().patchInstances);
+    if (memory) {
+      auto run = runOnGpu(context, std::move(*memory), stream, sizesOf(result), progress);
+      if (!run) return tl::unexpected(run.error());
+      result.summary = summarize(*run);
+    } else {
+      result.skipped = memory.error().message;
+    }
+    results.push_back(std::move(result));
   }
   return results;
 }
@@ -112,7 +117,12 @@ Result<BenchScene> benchScene(gl::Context& context, gl::ProgramCache& programs, 
   {
     Progress progress(header.scene, (strategies.size() + 1) * stream.frames());
     for (const BenchStrategy& strategy : strategies) {
-      auto run = runOnGpu(context, programs, stream, strategy, memory, progress);
+      RectMemoryOptions options = memory;
+      options.strategy = strategy.strategy;
+      options.merge = strategy.merge;
+      auto made = RectMemory::create(programs, options, header.patchInstances);
+      if (!made) return tl::unexpected(made.error());
+      auto run = runOnGpu(context, std::move(*made), stream, strategy.name, progress);
       if (!run) return tl::unexpected(run.error());
       scene.strategies.push_back(std::move(*run));
     }
@@ -146,22 +156,47 @@ void printSummary(const BenchScene& scene) {
   for (const BenchRun& run : scene.strategies) print(run.name, summarize(run));
   print(scene.quadtree.name, summarize(scene.quadtree));
   for (const BenchVariant& v : scene.sweep)
-    print(fmt::format("{}/{}-{}/{}", v.superblock, v.smallest, v.largest, v.aspect), v.summary);
+    if (v.skipped.empty())
+      print(sizesOf(v), v.summary);
+    else
+      fmt::print("  {:<13} skipped: {}\n", sizesOf(v), v.skipped);
 }
 
-Result<void> save(const RequestStream& stream, const AtlasBenchOptions& options) {
-  if (options.record.empty()) return {};
-  std::filesystem::path file(options.record);
-  std::error_code error;
-  if (options.scenes.size() > 1) std::filesystem::create_directories(file, error);
-  if (std::filesystem::is_directory(file, error))
-    file /= std::filesystem::path(stream.header().scene).stem().concat(".trs");
-  return stream.save(file);
+/// The file of each scene's requests, none without --record. Fails where one could not be written, or would
+/// take the place of another.
+Result<std::vector<std::filesystem::path>> recordsOf(const AtlasBenchOptions& options) {
+  using std::filesystem::path;
+  if (options.record.empty()) return std::vector<path>();
+  if (options.scenes.empty())
+    return fail("--record {}: without a scene there is nothing to record", options.record);
+  const path target(options.record);
+  std::error_code ignored;
+  const bool folder = std::filesystem::is_directory(target, ignored);
+  if (options.scenes.size() > 1 && !folder && std::filesystem::exists(target, ignored))
+    return fail("--record {}: is a file, {} scenes need a folder", options.record, options.scenes.size());
+  std::vector<path> files;
+  for (const std::string& scene : options.scenes) {
+    path file = target;
+    if (folder || options.scenes.size() > 1 || !target.has_filename())
+      file /= path(scene).stem().concat(".trs");
+    for (std::size_t i = 0; i < files.size(); ++i)
+      if (files[i] == file)
+        return fail("--record {}: {} and {} would both be saved as {}", options.record, options.scenes[i],
+                    scene, file.string());
+    for (const std::string& loaded : options.load)
+      if (std::filesystem::equivalent(file, loaded, ignored))
+        return fail("--record {}: {} is one of the files to --load", options.record, file.string());
+    if (auto writable = checkWritable(file); !writable) return fail("--record {}", writable.error().message);
+    files.push_back(std::move(file));
+  }
+  return files;
 }
 
 Result<void> atlasBench(const AtlasBenchOptions& options) {
   if (options.scenes.empty() && options.load.empty())
     return fail("no scene, and no --load of recorded requests");
+  if (!options.scenes.empty() && options.camera.frames < 2)
+    return fail("--frames {}: the first is not timed, so that it takes 2", options.camera.frames);
   auto size = parseSize(options.size.text);
   if (!size) return tl::unexpected(size.error());
   auto strategies = strategiesOf(options);
@@ -176,18 +211,16 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
     if (!stream) return tl::unexpected(stream.error());
     loaded.push_back(std::move(*stream));
   }
-  std::error_code error;
-  std::filesystem::create_directories(options.output, error);
-  if (error) return fail("{}: cannot be created ({})", options.output, error.message());
+  auto records = recordsOf(options);
+  if (!records) return tl::unexpected(records.error());
+  auto files = ReportFiles::create(options.output, "atlas_bench");
+  if (!files) return tl::unexpected(files.error());
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   gl::ProgramCache programs(**context);
 
   BenchReport report;
-  const gl::ContextInfo& info = (*context)->info();
-  report.context = {
-      info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
-      options.command};
+  report.context = reportContext((*context)->info(), options.command);
   report.settings = fmt::format(
       "Superblocks of {} texels a side; high-water mark {:.0f} %; target from {:.0f} to {:.0f} % of the "
       "atlas; lowest "
@@ -201,28 +234,25 @@ Result<void> atlasBench(const AtlasBenchOptions& options) {
     report.scenes.push_back(std::move(*scene));
     return {};
   };
-  for (const std::string& scene : options.scenes) {
-    auto stream = recordRequests(**context, scene, options, *size);
+  for (std::size_t i = 0; i < options.scenes.size(); ++i) {
+    auto stream = recordRequests(**context, options.scenes[i], options, *size);
     if (!stream) return tl::unexpected(stream.error());
-    if (auto saved = save(*stream, options); !saved) return saved;
+    if (!records->empty())
+      if (auto saved = stream->save((*records)[i]); !saved) return saved;
     if (auto done = bench(*stream); !done) return done;
   }
   for (const RequestStream& stream : loaded)
     if (auto done = bench(stream); !done) return done;
-  const std::filesystem::path folder(options.output);
-  if (auto written = writeFile(folder / "atlas_bench.json", toJson(report)); !written) return written;
-  if (auto written = writeFile(folder / "atlas_bench.html", toHtml(report)); !written) return written;
-  fmt::print("{}\n", (folder / "atlas_bench.html").string());
-  return {};
+  return files->write(toJson(report), toHtml(report));
 }
 
 }  // namespace
 
 Run addAtlasBench(CLI::App& app) {
   auto options = std::make_shared<AtlasBenchOptions>();
-  options->camera.path = "tour";
+  options->camera.pathUnlessChosen = "tour";
   options->camera.frames = 1000;
-  options->camera.fps = 0.0;  // unless given: as it takes to see the whole path
+  options->camera.fps = 0.0;  // unless given: as many as show the whole path
   options->atlas.megapixels = 4.0;
   options->atlas.biasFloor = -2.0;
   CLI::App& command = *app.add_subcommand(
@@ -246,11 +276,8 @@ Run addAtlasBench(CLI::App& app) {
   // All strategies run, and no texel is drawn that would have a format.
   for (const char* unused : {"--strategy", "--no-merge", "--atlas-format"})
     command.remove_option(command.get_option(unused));
-  return [options] {
-    options->command = "tessera atlas-bench";
-    for (const auto* files : {&options->scenes, &options->load})
-      for (const std::string& file : *files)
-        options->command += " " + std::filesystem::path(file).filename().string();
+  return [options](const std::string& line) {
+    options->command = line;
     return atlasBench(*options);
   };
 }

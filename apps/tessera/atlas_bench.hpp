@@ -37,11 +37,11 @@ struct BenchStrategy {
   bool merge = true;
 };
 
-/// The stream's frames through a RectMemory. Timed is RectMemory::allocate alone: opening the frame, level
-/// selection and request, provision, assign; neither upload nor readback. Fails when a frame cannot be read
-/// or memory is not whole in the end.
-Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, const RequestStream& stream,
-                          const BenchStrategy& strategy, RectMemoryOptions options, Progress& progress);
+/// The stream's frames through `memory`, a fresh one for the stream's patches; `name` is the run's. Timed is
+/// RectMemory::allocate alone: opening the frame, level selection and request, provision, assign; neither
+/// upload nor readback. Fails when a frame cannot be read or memory is not whole in the end.
+Result<BenchRun> runOnGpu(gl::Context& context, RectMemory memory, const RequestStream& stream,
+                          const std::string& name, Progress& progress);
 /// The same on the CPU: timed is QuadtreeAtlas::frame, which does what allocate does but for what its header
 /// names.
 Result<BenchRun> runQuadtree(const RequestStream& stream, const glsl::AtlasConfig& config,

@@ -38,10 +38,7 @@ void addTimes(const std::vector<PassTime>& passes, RequestFrame& frame) {
 
 Result<RequestStream> recordRequests(gl::Context& context, const std::string& file,
                                      const AtlasBenchOptions& options, glm::ivec2 size) {
-  StageChoice stageChoice = options.stage;
-  if (stageChoice.file.empty())
-    if (const auto shipped = shippedStage(file)) stageChoice.file = shipped->string();
-  auto stage = loadStageOf(stageChoice);
+  auto stage = loadStageFor(options.stage, file);
   if (!stage) return tl::unexpected(stage.error());
   auto setup = engineOptions(options.atlas);
   if (!setup) return tl::unexpected(setup.error());
@@ -55,6 +52,9 @@ Result<RequestStream> recordRequests(gl::Context& context, const std::string& fi
     if (!scene) return tl::unexpected(scene.error());
     const Stage* lit = *stage ? &**stage : nullptr;
     if (auto covered = coverPath(camera, lit); !covered) return tl::unexpected(covered.error());
+    if (camera.path.empty() && camera.camera.empty() && camera.eye.empty())
+      return fail("{}: its stage has no path '{}': give --path, or --camera or --eye to stand still", file,
+                  camera.pathUnlessChosen);
     auto found = viewsOf(camera, *scene, lit, size);
     if (!found) return tl::unexpected(found.error());
     views = std::move(*found);

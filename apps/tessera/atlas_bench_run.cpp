@@ -50,7 +50,7 @@ class StreamFeed {
   gl::Buffer list_;
   gl::Buffer marks_;
   gl::Buffer dispatch_;
-  std::vector<std::uint32_t> numbers_;  // the frame each patch was last visible in
+  std::vector<std::uint32_t> numbers_;     // the frame each patch was last visible in
   std::uint32_t number_ = 0;
 };
 
@@ -64,14 +64,9 @@ void add(const PlaceChanges& changes, BenchFrame& figures) {
 
 }  // namespace
 
-Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, const RequestStream& stream,
-                          const BenchStrategy& strategy, RectMemoryOptions options, Progress& progress) {
-  options.strategy = strategy.strategy;
-  options.merge = strategy.merge;
+Result<BenchRun> runOnGpu(gl::Context& context, RectMemory memory, const RequestStream& stream,
+                          const std::string& name, Progress& progress) {
   const std::uint32_t patches = stream.header().patchInstances;
-  auto made = RectMemory::create(programs, options, patches);
-  if (!made) return tl::unexpected(made.error());
-  RectMemory memory = std::move(*made);
   const glsl::AtlasState start = memory.readState();
   const glsl::AtlasConfig& config = start.config;
   std::uint32_t epoch = start.epoch;
@@ -81,7 +76,7 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
   gl::Timer timer(gl::timerModeFor(context.info()));
   RequestStream::Reader reader(stream);
   RequestFrame frame;
-  BenchRun run{strategy.name, {}};
+  BenchRun run{name, {}};
   for (std::size_t f = 0; f < stream.frames(); ++f) {
     if (auto read = reader.next(frame); !read) return tl::unexpected(read.error());
     feed.upload(frame, sumIdeal(config, frame.patches, frame.measures, states, epoch), memory);
@@ -106,10 +101,10 @@ Result<BenchRun> runOnGpu(gl::Context& context, gl::ProgramCache& programs, cons
     figures.bias = static_cast<double>(statistics.bias);
     figures.target = static_cast<double>(statistics.target);
     run.frames.push_back(figures);
-    progress.step(strategy.name);
+    progress.step(name);
   }
   if (auto whole = checkPartition(memory.readSnapshot()); !whole)
-    return fail("{}: after the last frame {}", strategy.name, whole.error().message);
+    return fail("{}: after the last frame {}", name, whole.error().message);
   return run;
 }
 

@@ -9,7 +9,8 @@
 
 namespace tessera::app {
 
-using Run = std::function<Result<void>()>;
+/// Runs with what was parsed; `line` is the whole command line, for the record.
+using Run = std::function<Result<void>(const std::string& line)>;
 
 Run addRender(CLI::App& app);
 Run addInfo(CLI::App& app);

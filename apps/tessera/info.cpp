@@ -116,7 +116,7 @@ Run addInfo(CLI::App& app) {
   command.add_flag("--graph", options->graph, "the passes as Graphviz text");
   addContext(command, options->context);
   addStage(command, options->stage);
-  return [options] { return info(*options); };
+  return [options](const std::string&) { return info(*options); };
 }
 
 }  // namespace tessera::app

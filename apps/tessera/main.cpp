@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "apps/tessera/commands.hpp"
+#include "apps/tessera/report_output.hpp"
 
 namespace {
 
@@ -29,7 +30,8 @@ int run(int argc, char** argv) {
   }
   for (const auto& [name, command] : commands) {
     if (!app.got_subcommand(name)) continue;
-    const auto result = command();
+    auto result = tessera::app::checkFinite(*app.get_subcommand(name));
+    if (result) result = command(tessera::app::commandLine(argc, argv));
     if (result) return static_cast<int>(Exit::Ok);
     fmt::print(stderr, "tessera {}: {}\n", name, result.error().message);
     return static_cast<int>(Exit::BadInput);

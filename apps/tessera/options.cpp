@@ -24,7 +24,10 @@ void addCamera(CLI::App& command, CameraChoice& choice) {
   command.add_option("--eye", choice.eye, "x,y,z of the eye in metres")->delimiter(',')->expected(3);
   command.add_option("--target", choice.target, "x,y,z looked at")->delimiter(',')->expected(3);
   command.add_option("--fov-y", choice.fovY, "vertical field of view in degrees, 0.1 to 175");
-  command.add_option("--path", choice.path, "camera path: a JSON file, or the name of a path of the stage");
+  std::string path = "camera path: a JSON file, or the name of a path of the stage";
+  if (!choice.pathUnlessChosen.empty())
+    path += "; " + choice.pathUnlessChosen + ", if the stage has it and no camera or eye is chosen";
+  command.add_option("--path", choice.path, path);
   command.add_option("--frames", choice.frames, "number of frames along the path")
       ->check(CLI::Range(1, 1000000));
   command.add_option("--fps", choice.fps, "frames a second of the path")
@@ -52,6 +55,11 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
                   "lowest bias that room to spare may lead to: 0 none, -2 up to four times the texels")
       ->check(CLI::Range(-4.0, 0.0))
       ->capture_default_str();
+  command
+      .add_option("--texture-bias", choice.textureBias,
+                  "added to the mip level of textures where texels are shaded: below 0 is sharper")
+      ->check(CLI::Range(-2.0, 1.0))
+      ->capture_default_str();
   command.add_option("--strategy", choice.strategy, "memory strategy: S0 (the one to use), S1, S2, S3")
       ->check(CLI::IsMember({"S0", "S1", "S2", "S3"}))
       ->capture_default_str();
@@ -62,6 +70,11 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   };
   command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
       ->check(CLI::Range(2, 1024))
+      ->check(powerOfTwo);
+  command
+      .add_option("--smallest-block", choice.smallestBlock,
+                  "texels that no side of a block is shorter than, 1 to 1024")
+      ->check(CLI::Range(1, 1024))
       ->check(powerOfTwo);
   command.add_option("--largest-block", choice.largestBlock, "texels a side of the largest block, 2 to 1024")
       ->check(CLI::Range(2, 1024))
@@ -110,6 +123,17 @@ void addSpatial(CLI::App& command, SpatialChoice& choice) {
       ->expected(0, 1);
 }
 
+Result<void> checkFinite(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    // "FLOAT", or "[FLOAT,...]", with the range behind it.
+    if (option->get_type_name().find("FLOAT") == std::string::npos) continue;
+    for (const std::string& value : option->results())
+      if (!std::isfinite(std::strtod(value.c_str(), nullptr)))
+        return fail("{} {}: not a finite number", option->get_name(), value);
+  }
+  return {};
+}
+
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice) {
   if (choice.name == "osmesa") return gl::Context::createOsMesa();
   if (choice.name == "egl") return gl::Context::createEgl();
@@ -147,6 +171,7 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   const double texels = choice.megapixels * 1048576.0;
   const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
   if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
+  if (choice.smallestBlock > 0) memory.smallestLog2 = log2Of(choice.smallestBlock);
   if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
   if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
   if (choice.highWater > 0.0) memory.highWater = static_cast<float>(choice.highWater);
@@ -181,6 +206,10 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   options.tess.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
+}
+
+ShadeOptions shadeOptions(const AtlasChoice& choice) {
+  return {.textureBias = static_cast<float>(choice.textureBias)};
 }
 
 namespace {
@@ -248,10 +277,11 @@ std::filesystem::path assetsFolder() {
   return TESSERA_INSTALLED_ASSETS;
 }
 
-std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene) {
-  const auto file = assetsFolder() / "stages" / scene.stem().concat(".json");
+Result<std::optional<Stage>> loadStageFor(const StageChoice& choice, const std::filesystem::path& scene) {
+  if (!choice.file.empty()) return loadStageOf(choice);
+  const auto shipped = assetsFolder() / "stages" / scene.stem().concat(".json");
   std::error_code ignored;
-  return std::filesystem::is_regular_file(file, ignored) ? std::optional(file) : std::nullopt;
+  return loadStageOf({std::filesystem::is_regular_file(shipped, ignored) ? shipped.string() : ""});
 }
 
 namespace {
@@ -271,23 +301,32 @@ Result<std::size_t> cameraIndex(const Scene& scene, const std::string& wanted) {
   return fail("--camera {}: {} has {} cameras:{}", wanted, scene.file, scene.cameras.size(), names);
 }
 
+const CameraPath* pathNamed(const Stage* stage, const std::string& name) {
+  if (stage == nullptr) return nullptr;
+  const auto found = std::find_if(stage->paths.begin(), stage->paths.end(),
+                                  [&](const CameraPath& path) { return path.name == name; });
+  return found == stage->paths.end() ? nullptr : &*found;
+}
+
 Result<CameraPath> pathOf(const CameraChoice& choice, const Stage* stage) {
-  if (stage != nullptr)
-    for (const CameraPath& path : stage->paths)
-      if (path.name == choice.path) return path;
+  if (const CameraPath* path = pathNamed(stage, choice.path)) return *path;
   return loadCameraPath(choice.path);
 }
+
+double durationOf(const CameraPath& path) { return path.keys.back().time - path.keys.front().time; }
 
 }  // namespace
 
 Result<void> coverPath(CameraChoice& choice, const Stage* stage) {
-  auto path = pathOf(choice, stage);
-  if (!path) return tl::unexpected(path.error());
-  if (choice.fps > 0.0) return {};
-  const double duration = path->keys.back().time - path->keys.front().time;
-  if (choice.frames < 2 || duration <= 0.0)
-    return fail("--path {}: {} frames of {} s cannot cover it", choice.path, choice.frames, duration);
-  choice.fps = (choice.frames - 1) / duration;
+  const bool chosen = !choice.path.empty() || !choice.camera.empty() || !choice.eye.empty();
+  if (!chosen && pathNamed(stage, choice.pathUnlessChosen) != nullptr) choice.path = choice.pathUnlessChosen;
+  double duration = 0.0;
+  if (!choice.path.empty()) {
+    auto path = pathOf(choice, stage);
+    if (!path) return tl::unexpected(path.error());
+    duration = durationOf(*path);
+  }
+  if (choice.fps <= 0.0) choice.fps = duration > 0.0 ? std::max(choice.frames - 1, 1) / duration : 30.0;
   return {};
 }
 
@@ -297,10 +336,6 @@ Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& 
   if (choice.fovY && !(*choice.fovY >= 0.1 && *choice.fovY <= 175.0))
     return fail("--fov-y {}: outside 0.1 to 175 degrees", *choice.fovY);
   if (choice.eye.empty() != choice.target.empty()) return fail("--eye and --target go together");
-  for (const double value : choice.eye)
-    if (!std::isfinite(value)) return fail("--eye: {} is not a number", value);
-  for (const double value : choice.target)
-    if (!std::isfinite(value)) return fail("--target: {} is not a number", value);
   const int given = static_cast<int>(!choice.camera.empty()) + static_cast<int>(!choice.eye.empty()) +
                     static_cast<int>(!choice.path.empty());
   if (given > 1) return fail("--camera, --eye with --target, and --path exclude each other");
@@ -310,9 +345,8 @@ Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& 
     auto path = pathOf(choice, stage);
     if (!path) return tl::unexpected(path.error());
     const double first = path->keys.front().time;
-    const double duration = path->keys.back().time - first;
     const int frames =
-        choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(duration * choice.fps)) + 1;
+        choice.frames > 0 ? choice.frames : static_cast<int>(std::floor(durationOf(*path) * choice.fps)) + 1;
     for (int i = 0; i < frames; ++i) {
       const double time = first + i / choice.fps;
       CameraKey key = sampleCamera(*path, time);

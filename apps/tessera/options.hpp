@@ -27,6 +27,7 @@ struct CameraChoice {
   std::vector<double> eye, target;  // three numbers each
   std::optional<double> fovY;       // degrees
   std::string path;                 // file, or the name of a path of the stage
+  std::string pathUnlessChosen;     // that of the stage which is taken where none of these is chosen
   int frames = 0;                   // 0: one picture, or all of the path at `fps`
   double fps = 30.0;
 };
@@ -44,9 +45,11 @@ struct AtlasChoice {
   double bias = 0.0;
   bool pressureBias = true;
   double biasFloor = 0.0;
+  double textureBias = ShadeOptions().textureBias;
   std::string strategy = "S0";
   bool merge = true;
   int superblock = 0;        // texels a side; 0: the engine's default, as for what follows
+  int smallestBlock = 0;     // texels a side
   int largestBlock = 0;      // texels a side
   int largestAspect = 0;     // width to height
   double highWater = 0.0;    // share of the atlas
@@ -68,14 +71,19 @@ void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
 void addSpatial(CLI::App& command, SpatialChoice& choice);
 
+/// Fails with the first number given that is not finite: CLI11's range checks let NaN pass.
+Result<void> checkFinite(const CLI::App& command);
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
 Result<glm::ivec2> parseSize(const std::string& text);
 /// The engine's options for an atlas of about `megapixels` (2^20 texels each).
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
+/// How its texels are shaded.
+ShadeOptions shadeOptions(const AtlasChoice& choice);
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
-/// The stage that the project ships for a scene of this file name, if there is one.
-std::optional<std::filesystem::path> shippedStage(const std::filesystem::path& scene);
+/// As loadStageOf; without a choice, the stage that the project ships for a scene of this file name, if there
+/// is one.
+Result<std::optional<Stage>> loadStageFor(const StageChoice& choice, const std::filesystem::path& scene);
 /// The folder of assets: TESSERA_ASSETS_DIR in the environment, else the one beside the sources, else the
 /// installed.
 std::filesystem::path assetsFolder();
@@ -94,8 +102,8 @@ struct TimedView {
   double time = 0.0;
   View view;
 };
-/// Sets `fps` so that `frames` of them cover the whole path, unless it is above 0 already. Needs a path and
-/// 2 frames.
+/// Takes `pathUnlessChosen` where the stage has it and no path, camera or eye is chosen. Sets `fps`, unless
+/// it is above 0 already, so that `frames` of them cover the whole path, however few; 30 without one.
 Result<void> coverPath(CameraChoice& choice, const Stage* stage);
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size);

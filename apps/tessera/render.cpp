@@ -145,7 +145,7 @@ Result<void> render(const RenderOptions& options) {
     if (engineSetup->request.rect) {
       engine.findVisible({&timed.view, 1});
       if (auto placed = engine.place({&timed.view, 1}, reuse); !placed) return placed;
-      engine.shade(timed.view);
+      engine.shade(timed.view, shadeOptions(options.atlas));
     }
     Image picture;
     if (!options.view.empty()) {
@@ -205,7 +205,7 @@ Run addRender(CLI::App& app) {
   addStage(command, options->stage);
   addAtlas(command, options->atlas);
   addSpatial(command, options->spatial);
-  return [options] { return render(*options); };
+  return [options](const std::string&) { return render(*options); };
 }
 
 }  // namespace tessera::app

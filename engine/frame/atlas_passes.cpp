@@ -1,5 +1,6 @@
 // Passes of the atlas: place, shade, display.
 #include <algorithm>
+#include <cmath>
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -39,7 +40,7 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
   return {};
 }
 
-void Engine::shade(const View& view) {
+void Engine::shade(const View& view, const ShadeOptions& options) {
   State& s = *s_;
   const Gatherer* gatherer = s.gatherer();
   if (gatherer == nullptr) return;
@@ -50,6 +51,8 @@ void Engine::shade(const View& view) {
   const AtlasTexture& atlas = gatherer->atlas();
   const auto width = static_cast<float>(atlas.texture.width());
   const auto height = static_cast<float>(atlas.texture.height());
+  const float textureBias =
+      std::isnan(options.textureBias) ? 0.0f : std::clamp(options.textureBias, -2.0f, 1.0f);
   s.pass("gather", [&] {
     gl::apply({.encodeSrgb = !gatherer->encodes()});
     gatherer->beginShading();
@@ -58,6 +61,8 @@ void Engine::shade(const View& view) {
         const BatchPrograms& programs = s.batchPrograms[b];
         programs.gather->use();
         if (gatherer->rasters()) setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
+        if (programs.shading.usesUv0 || programs.shading.usesUv1)
+          gl::api().ProgramUniform1f(programs.gather->get(), LOCATION_TEXTURE_BIAS, textureBias);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
         gatherer->shadeBatch(*programs.gather, b);
       }

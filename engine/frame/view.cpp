@@ -135,10 +135,8 @@ glsl::DensityGpu densityGpu(const View& view, const PlaceOptions& options) {
                            glsl::degreesPerCycle(static_cast<float>(view.pixelsPerRadian())), 0.0f);
   }
   if (options.lens) {
-    // Sec. 4.4: n is the angle from the centre, normalized by the field of view: here half of that from
-    // corner to corner, where display has the undistorted radius lensFill(lens).
-    const double tanY = std::tan(view.fovY * 0.5);
-    const double corner = std::atan(tanY * std::hypot(1.0, aspectOf(view)));
+    // At the picture's corner display has the undistorted radius lensFill(lens).
+    const double corner = std::tan(view.fovY * 0.5) * std::hypot(1.0, aspectOf(view));
     gpu.lens = glm::vec4(options.lens->k1, options.lens->k2, lensFill(*options.lens) / corner, 0.0);
   }
   return gpu;

@@ -8,8 +8,9 @@
 namespace tessera {
 
 Result<void> check(const Foveation& foveation) {
-  if (!std::isfinite(foveation.gaze.x) || !std::isfinite(foveation.gaze.y))
-    return fail("foveation: gaze ({}, {}) is not a place", foveation.gaze.x, foveation.gaze.y);
+  if (!(std::abs(foveation.gaze.x) <= kGazeFarthest && std::abs(foveation.gaze.y) <= kGazeFarthest))
+    return fail("foveation: gaze ({}, {}) is outside [{}, {}]", foveation.gaze.x, foveation.gaze.y,
+                -kGazeFarthest, kGazeFarthest);
   if (!(foveation.slope >= 0.0 && foveation.slope <= 10.0))
     return fail("foveation: slope {} is outside [0, 10] degrees a degree", foveation.slope);
   if (!(foveation.smallest > 0.0 && foveation.smallest <= 90.0))

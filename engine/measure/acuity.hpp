@@ -9,10 +9,13 @@
 
 namespace tessera {
 
+/// How far from the picture's top left a gaze may lie, in shares of the picture's size.
+inline constexpr double kGazeFarthest = 10.0;
+
 /// Where the eye looks and how its resolution falls off: the smallest angle it resolves is
 /// slope * eccentricity + smallest, in degrees (Mueller 2021, eq. 4.1; numbers of Guenter et al. 2012).
 struct Foveation {
-  glm::dvec2 gaze{0.5, 0.5};     // share of the picture from its top left, finite; may lie outside [0, 1]
+  glm::dvec2 gaze{0.5, 0.5};     // share of the picture from its top left, within kGazeFarthest
   double slope = 0.022;          // degrees a degree, [0, 10]
   double smallest = 1.0 / 48.0;  // degrees at the gaze, (0, 90]
 };

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/core/file.hpp"
+#include "engine/measure/acuity.hpp"
 
 namespace tessera {
 namespace {
@@ -34,7 +35,7 @@ constexpr Range kFovY{1.0, 170.0};       // degrees
 constexpr Range kUnit{0.0, 1.0};         // light colour
 constexpr Range kRadiance{0.0, 1e6};     // ambient
 constexpr Range kIntensity{0.0, 1e9};    // lux or candela
-constexpr Range kShare{-10.0, 10.0};     // of a picture, seen or not
+constexpr Range kGaze{-kGazeFarthest, kGazeFarthest};
 constexpr Range kExposure{1e-6, 1e6};
 constexpr Range kLightRange{1e-3, 1e7};  // metres
 constexpr Range kConeDegrees{0.0, 90.0};
@@ -415,7 +416,7 @@ Result<std::vector<GazeKey>> loadGaze(const std::filesystem::path& path) {
     element.onlyKeys({"time", "x", "y"});
     GazeKey key;
     key.time = nextTime(element.at("time"), keys.empty(), keys.empty() ? 0.0 : keys.back().time);
-    key.place = {element.at("x").number(kShare), element.at("y").number(kShare)};
+    key.place = {element.at("x").number(kGaze), element.at("y").number(kGaze)};
     keys.push_back(key);
   }
   if (error) return tl::unexpected(*error);

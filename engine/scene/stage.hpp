@@ -29,7 +29,7 @@ struct CameraPath {
 /// Where someone looked at a time.
 struct GazeKey {
   double time = 0.0;      // seconds, strictly increasing along a recording
-  glm::dvec2 place{0.5};  // share of the picture from its top left, [-10, 10]
+  glm::dvec2 place{0.5};  // share of the picture from its top left, within kGazeFarthest
 };
 
 struct Ambient {

@@ -111,7 +111,12 @@ float lodOf(Surface s, uint slot, vec2 size) {
   }
   return 0.5 * log2(clamp(longest, 1e-20, 1e20));
 }
-#define SURFACE_TEXTURE(map, slot) textureLod(map, uvOf(s, slot), lodOf(s, slot, vec2(textureSize(map, 0))))
+layout(location = LOCATION_TEXTURE_BIAS) uniform float uTextureBias;  // mip levels
+#define SURFACE_TEXTURE(map, slot) \
+  textureLod(map, uvOf(s, slot), lodOf(s, slot, vec2(textureSize(map, 0))) + uTextureBias)
+#elif defined(GATHER)
+layout(location = LOCATION_TEXTURE_BIAS) uniform float uTextureBias;  // mip levels
+#define SURFACE_TEXTURE(map, slot) texture(map, uvOf(s, slot), uTextureBias)
 #else
 #define SURFACE_TEXTURE(map, slot) texture(map, uvOf(s, slot))
 #endif

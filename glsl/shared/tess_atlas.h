@@ -4,6 +4,7 @@
 // rows below, and use no memory else.
 #ifndef TESSERA_GLSL_SHARED_TESS_ATLAS_H
 #define TESSERA_GLSL_SHARED_TESS_ATLAS_H
+#include "shared/bindings.h"
 #include "shared/dialect.h"
 #include "shared/lpack.h"
 #include "shared/oversample.h"
@@ -12,7 +13,7 @@ TESSERA_SHARED_BEGIN
 
 // Work-group size of the passes over the visible list, see visible_finish.comp.
 #define TESS_GROUP 64
-#define TESS_VIEWS 8
+#define TESS_VIEWS ID_VIEWS
 
 // Number of a triangle of the visible set: the patch instance's times 4, plus which of its triangles.
 SHARED_FN uint triangleNumber(uint patchInstance, uint part) { return 4u * patchInstance + part; }

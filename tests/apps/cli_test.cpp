@@ -44,7 +44,14 @@ TEST_F(Cli, BadArgumentsAreNamed) {
   expectRefused(fmt::format("render '{}' -o a.png --fov-y 200", atrium()), "200");
   expectRefused(fmt::format("render '{}' -o a.png --path nowhere.json", atrium()), "nowhere.json");
   const std::string compare = fmt::format("compare '{}' -o r ", atrium());
-  expectRefused(compare + "--methods rect-stereo --eye-distance nan", "--eye-distance nan");
+  // Ranges alone let NaN pass.
+  for (const char* number :
+       {"--atlas-mpix nan", "--bias nan", "--bias-floor nan", "--high-water nan", "--hysteresis nan",
+        "--split-edges nan", "--fps nan", "--fov-y nan", "--eye-distance nan", "--eye-distance=-nan"})
+    expectRefused(compare + number, "nan: not a finite number");
+  expectRefused(compare + "--eye 1,nan,2 --target 0,0,0", "--eye nan: not a finite number");
+  expectRefused(compare + "--eye 1,2,3 --target 0,inf,0", "--target inf: not a finite number");
+  expectRefused(compare + "--fps 1e999", "fps");
   for (const auto& [method, named] : {std::pair<std::string, std::string>{"rect:blur=2", "blur=2"},
                                       {"rect:bias=17", "bias=17"},
                                       {"rect:bias=", "bias="},
@@ -52,6 +59,7 @@ TEST_F(Cli, BadArgumentsAreNamed) {
                                       {"rect:mpix=0", "mpix=0"},
                                       {"rect:mpix=nan", "mpix=nan"},
                                       {"rect:floor=1", "floor=1"},
+                                      {"rect:texbias=1.5", "texbias=1.5"},
                                       {"rect:", "setting ''"},
                                       {"rect:lens=2", "lens=2"},
                                       {"rect-stereo:lens+foveated", "foveated"},
@@ -138,6 +146,8 @@ TEST_F(Cli, FoveationAndLensAreOptionsOfRender) {
   const std::string out = fmt::format("render '{}' -o a.png ", atrium());
   expectRefused(out + "--foveate 0.5", "--foveate 0.5");
   expectRefused(out + "--foveate nan,0", "nan");
+  expectRefused(out + "--foveate 1e300,0.5", "1e+300");
+  expectRefused(out + "--foveate 0.5,-10.5", "-10.5");
   expectRefused(out + "--lens 1x2", "--lens 1");
   expectRefused(out + "--lens=-1,0", "k1 -1");
   expectRefused(out + "--gaze none.json", "none.json");
@@ -194,7 +204,7 @@ TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
   const Ran ran = run(fmt::format(
       "compare '{}' -o report --size 320x180 --frames 2 --context osmesa --methods "
       "rect-stereo:bias=off,rect-stereo:bias=off+lens,warp-stereo,forward-lanczos,rect:foveate+bias=off,"
-      "rect:bias=off+mpix=2,rect:floor=-2+mpix=2 --metrics mssim",
+      "rect:bias=off+mpix=2,rect:bias=off+mpix=2+texbias=0,rect:floor=-2+mpix=2 --metrics mssim",
       atrium()));
   ASSERT_EQ(ran.code, 0) << ran.error;
   const auto json = nlohmann::json::parse(slurp(folder_ / "report" / "report.json"));
@@ -208,7 +218,7 @@ TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
     EXPECT_EQ(method["holes"], 0.0) << order.back();
   }
   // References come first, asked for or not.
-  ASSERT_EQ(order.size(), 9u);
+  ASSERT_EQ(order.size(), 10u);
   EXPECT_EQ(order[0], "forward");
   EXPECT_EQ(order[1], "forward-stereo");
   const auto number = [&](const char* method, const char* field) {
@@ -248,6 +258,9 @@ TEST_F(Cli, CompareMeasuresStereoLensAndFoveation) {
   EXPECT_GT(eyes[1].get<double>(), 0.8);
   EXPECT_DOUBLE_EQ(number("warp-stereo", "mssim"), 0.5 * (1.0 + eyes[1].get<double>()));
   EXPECT_GT(number("forward-lanczos", "mssim"), 0.5);
+  EXPECT_EQ(number("rect:bias=off+mpix=2+texbias=0", "samples_shaded"),
+            number("rect:bias=off+mpix=2", "samples_shaded"));
+  EXPECT_LT(number("rect:bias=off+mpix=2+texbias=0", "mssim"), number("rect:bias=off+mpix=2", "mssim"));
   EXPECT_LT(number("rect:foveate+bias=off", "samples_shaded"),
             number("rect:bias=off+mpix=2", "samples_shaded"));
   EXPECT_GT(number("rect:foveate+bias=off", "mssim_acuity"), number("rect:foveate+bias=off", "mssim"));

@@ -180,9 +180,9 @@ TEST(Acuity, BothFactorsMultiply) {
   const glm::vec3 p(std::sin(a), 0.0, -std::cos(a));
   const glsl::Cone cone = coneOf({p, p * 1.001f, p * 1.002f}, 1);
   EXPECT_NEAR(glsl::logAcuity(density, cone), -2.0 * std::log2(6.1275), 1e-4);
-  // From corner to corner: tan(half) = tan 30 * hypot(1, 16/9), and lensFill at half that angle.
-  const double corner = std::atan(std::tan(a) * std::hypot(1.0, 16.0 / 9.0));
-  const double n = 1.46 * 1.014 * a / corner;
+  // The picture's half height is tan 30 from its centre, where the speck is as well: 1 / hypot(1, 16/9) of the
+  // way to a corner, which has lensFill.
+  const double n = 1.46 * 1.014 / std::hypot(1.0, 16.0 / 9.0);
   double d = n;
   for (int i = 0; i < 200; ++i) d = n / (1.0 + 0.22 * d * d + 0.24 * d * d * d * d) * 0.5 + d * 0.5;
   EXPECT_NEAR(glsl::logLens(density, cone), 2.0 * std::log2(d / n), 1e-4);
@@ -301,9 +301,8 @@ TEST(LensFormula, ThePrintedPolynomialIsTheRoundedInverse) {
   EXPECT_NEAR(glsl::lensScaleAsPrinted(1.0f), 0.81054, 1e-6);
 }
 
-TEST(LensFormula, ScaleLosesNoTexelThatIsShown) {
-  // Along the radius the display is 1 / slope of the undistorted picture's length; the scale is never below
-  // it.
+TEST(LensFormula, ScaleIsNeverBelowTheDisplaysOverTheMiddles) {
+  // Along the radius the display has 1 / slope of the undistorted picture's length, times what the middle has.
   for (int i = 1; i <= 100; ++i) {
     const float d = static_cast<float>(i) / 100.0f;
     const float n = glsl::lensUndistort(d, 0.22f, 0.24f);

@@ -55,6 +55,17 @@ BenchScene scene(const std::string& name, double ms) {
   return s;
 }
 
+BenchVariant variant(int superblock, const std::string& skipped) {
+  BenchVariant v;
+  v.superblock = superblock;
+  v.smallest = 1;
+  v.largest = 32;
+  v.aspect = 8;
+  v.skipped = skipped;
+  if (skipped.empty()) v.summary = summarize(run("S0", 5.0));
+  return v;
+}
+
 std::string readText(const char* path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
@@ -82,12 +93,8 @@ TEST(BenchReport, JsonHasTheShapeThatIsPromised) {
   BenchReport report;
   report.scenes = {scene("one.glb", 1.0), scene("two.glb", 3.0)};
   report.scenes[1].strategies[0].frames.resize(2);
-  report.scenes[0].sweep = {{.superblock = 64,
-                             .smallest = 1,
-                             .largest = 32,
-                             .aspect = 8,
-                             .standard = true,
-                             .summary = summarize(run("S0", 5.0))}};
+  report.scenes[0].sweep = {variant(64, ""), variant(16, "too many")};
+  report.scenes[0].sweep[0].standard = true;
   const Json json = Json::parse(toJson(report));
   ASSERT_EQ(json["strategies"].size(), 2u);
   EXPECT_EQ(json["strategies"][1]["name"], "S3");
@@ -115,9 +122,36 @@ TEST(BenchReport, JsonHasTheShapeThatIsPromised) {
   EXPECT_EQ(first["sweep"][0]["superblock"], 64);
   EXPECT_EQ(first["sweep"][0]["largest_aspect"], 8);
   EXPECT_EQ(first["sweep"][0]["default"], true);
+  EXPECT_TRUE(first["sweep"][0]["skipped"].is_null());
+  check(first["sweep"][0]);
+  EXPECT_EQ(first["sweep"][1]["superblock"], 16);
+  EXPECT_EQ(first["sweep"][1]["skipped"], "too many");
+  EXPECT_FALSE(first["sweep"][1].contains("live_share")) << "what did not run has no results";
   const Json empty = Json::parse(toJson(BenchReport{}));
   EXPECT_TRUE(empty["strategies"].empty());
   EXPECT_TRUE(empty["cpu_quadtree"].is_null());
+}
+
+TEST(BenchReport, SpeedIsThatOfS0WhereverItStands) {
+  BenchReport report;
+  report.scenes = {scene("one.glb", 1.0), scene("two.glb", 1.0)};
+  std::swap(report.scenes[0].strategies[0], report.scenes[0].strategies[1]);
+  report.scenes[1].strategies.erase(report.scenes[1].strategies.begin());
+  const std::string html = toHtml(report);
+  EXPECT_NE(html.find("one.glb</th><td>80.0</td><td>2.00</td><td>40 ×</td>"), std::string::npos);
+  EXPECT_NE(html.find("two.glb</th><td>80.0</td><td>not run</td><td>–</td>"), std::string::npos);
+}
+
+TEST(BenchReport, PageSaysWhichSizesWereSkipped) {
+  BenchReport report;
+  report.scenes = {scene("one.glb", 1.0)};
+  report.scenes[0].sweep = {variant(64, "<too many>"), variant(128, "")};
+  const std::string html = toHtml(report);
+  EXPECT_NE(html.find("<th scope=\"row\">64</th><td>1</td><td>32</td><td>8 : 1</td>"
+                      "<td class=\"note\" colspan=\"9\">skipped: &lt;too many&gt;</td></tr>"),
+            std::string::npos);
+  EXPECT_NE(html.find("<th scope=\"row\">128</th><td>1</td><td>32</td><td>8 : 1</td><td>2</td>"),
+            std::string::npos);
 }
 
 TEST(BenchReport, PageStandsAloneAndEscapes) {

@@ -1,7 +1,6 @@
 // tessera compare: the methods side by side on the same frames, as report.json and report.html.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
@@ -9,7 +8,7 @@
 #include "apps/tessera/commands.hpp"
 #include "apps/tessera/compare/figures.hpp"
 #include "apps/tessera/compare/scene.hpp"
-#include "engine/core/file.hpp"
+#include "apps/tessera/report_output.hpp"
 
 namespace tessera::app {
 
@@ -65,8 +64,6 @@ Result<std::vector<Method>> methodsOf(const CompareOptions& options,
 }
 
 Result<void> compare(const CompareOptions& options) {
-  if (!std::isfinite(options.eyeDistance))
-    return fail("--eye-distance {}: not a number", options.eyeDistance);
   auto size = parseSize(options.size.text);
   if (!size) return tl::unexpected(size.error());
   auto figures = figuresOf(options.figures);
@@ -77,17 +74,13 @@ Result<void> compare(const CompareOptions& options) {
     if (method.kind == Kind::ForwardLanczos && (size->x % 2 != 0 || size->y % 2 != 0))
       return fail("--size {}: forward-lanczos draws half of the width and of the height: both must be even",
                   options.size.text);
-  std::error_code error;
-  std::filesystem::create_directories(options.output, error);
-  if (error) return fail("{}: cannot be created ({})", options.output, error.message());
+  auto files = ReportFiles::create(options.output, "report");
+  if (!files) return tl::unexpected(files.error());
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
 
   Report report;
-  const gl::ContextInfo& info = (*context)->info();
-  report.context = {
-      info.backendName, info.renderer, info.version, info.glslVersion, gl::nameOf(gl::timerModeFor(info)), {},
-      options.command};
+  report.context = reportContext((*context)->info(), options.command);
   for (const std::string& file : options.scenes) {
     auto scene = compareScene(**context, file, *methods, options, *size);
     if (!scene) return tl::unexpected(scene.error());
@@ -95,20 +88,16 @@ Result<void> compare(const CompareOptions& options) {
     report.scenes.push_back(std::move(*scene));
   }
   report.figures = std::move(*figures);
-  const std::filesystem::path folder(options.output);
-  if (auto written = writeFile(folder / "report.json", toJson(report)); !written) return written;
-  if (auto written = writeFile(folder / "report.html", toHtml(report)); !written) return written;
-  fmt::print("{}\n", (folder / "report.html").string());
-  return {};
+  return files->write(toJson(report), toHtml(report));
 }
 
 }  // namespace
 
 Run addCompare(CLI::App& app) {
   auto options = std::make_shared<CompareOptions>();
-  options->camera.path = "tour";
+  options->camera.pathUnlessChosen = "tour";
   options->camera.frames = 12;
-  options->camera.fps = 0.0;  // unless given: as it takes to see the whole path
+  options->camera.fps = 0.0;  // unless given: as many as show the whole path
   CLI::App& command = *app.add_subcommand(
       "compare", "Draw the same frames by several methods; writes report.json and report.html");
   command.add_option("scenes", options->scenes, "glTF 2.0 files")->required();
@@ -119,7 +108,7 @@ Run addCompare(CLI::App& app) {
               "--methods", options->methods,
               "comma-separated: forward, forward-prepass, forward-lanczos, forward-stereo, warp-stereo, "
               "rect, rect-deferred, rect-stereo; rect ones take settings after a colon, joined by +: "
-              "mpix=N, bias=N, bias=off, floor=N, foveate, lens")
+              "mpix=N, bias=N, bias=off, floor=N, texbias=N, foveate, lens")
           ->delimiter(',')
           ->capture_default_str();
   auto* figures =
@@ -157,19 +146,13 @@ Run addCompare(CLI::App& app) {
   addSpatial(command, options->spatial);
   const auto* size = command.get_option("--size");
   const auto* frames = command.get_option("--frames");
-  return [options, figures, metrics, size, frames] {
+  return [options, figures, metrics, size, frames](const std::string& line) {
     if (figures->count() > 0) {
       if (size->count() == 0) options->size.text = "1920x1080";
       if (frames->count() == 0) options->camera.frames = 6;
       if (metrics->count() == 0) options->metrics = {"mssim"};
     }
-    options->command = "tessera compare";
-    for (const std::string& scene : options->scenes)
-      options->command += " " + std::filesystem::path(scene).filename().string();
-    const bool asFigures = figures->count() > 0;
-    options->command += fmt::format("{} {} --size {} --frames {}", asFigures ? " --figures" : " --methods",
-                                    fmt::join(asFigures ? options->figures : options->methods, ","),
-                                    options->size.text, options->camera.frames);
+    options->command = line;
     return compare(*options);
   };
 }

@@ -77,7 +77,7 @@ Result<Drawn> drawFrame(Engine& engine, const Method& method, const TimedView& t
   if (method.usesAtlas()) {
     engine.findVisible(eyes);
     if (auto placed = engine.place(eyes, placing); !placed) return tl::unexpected(placed.error());
-    engine.shade(timed.view);
+    engine.shade(timed.view, shadeOptions(method.atlas));
     count();
   }
   for (std::size_t eye = 0; eye < eyes.size(); ++eye) {

@@ -60,6 +60,7 @@ Result<void> apply(Method& method, std::string_view setting) {
   }
   if (key == "slanted") return set(method.atlas.slanted, 1.0, 1e6);
   if (key == "bias") return set(method.atlas.bias, -8.0, 16.0);
+  if (key == "texbias") return set(method.atlas.textureBias, -2.0, 1.0);
   PlaceOptions& placing = method.spatial.options;
   if (setting == "foveate") {
     if (!placing.foveation) placing.foveation.emplace();
@@ -69,7 +70,7 @@ Result<void> apply(Method& method, std::string_view setting) {
     if (!placing.lens) placing.lens.emplace();
     return {};
   }
-  return fail("not one of mpix=N, bias=N, bias=off, floor=N, slanted=N, foveate, lens");
+  return fail("not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, foveate, lens");
 }
 
 }  // namespace

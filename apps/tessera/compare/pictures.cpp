@@ -35,7 +35,7 @@ Image halved(const Image& image, int largestSide) {
 }
 
 PictureBudget pictureBudget(std::size_t frames, std::size_t runs) {
-  constexpr std::size_t kMany = 30;
+  constexpr std::size_t kMany = 30;  // more than four scenes by five methods
   const bool many = runs > kMany;
   const std::size_t pictures = many ? 1 : 3;
   PictureBudget budget;

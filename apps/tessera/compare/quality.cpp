@@ -8,15 +8,13 @@
 
 namespace tessera::app {
 
-namespace {
-
-double squaredError(double decibels) { return std::isinf(decibels) ? 0.0 : std::pow(10.0, -decibels / 10.0); }
-
-double decibels(double squaredError) {
-  return squaredError == 0.0 ? std::numeric_limits<double>::infinity() : -10.0 * std::log10(squaredError);
+double pooledPsnr(std::span<const double> decibels) {
+  double mse = 0.0;
+  for (const double db : decibels) mse += std::isinf(db) ? 0.0 : std::pow(10.0, -db / 10.0);
+  if (decibels.empty()) return kNotMeasured;
+  return mse == 0.0 ? std::numeric_limits<double>::infinity()
+                    : -10.0 * std::log10(mse / static_cast<double>(decibels.size()));
 }
-
-}  // namespace
 
 Result<Quality> qualityOf(std::span<const Image> references, std::span<const Image> pictures,
                           const MetricChoice& metrics, const std::optional<Foveation>& foveation,
@@ -27,7 +25,7 @@ Result<Quality> qualityOf(std::span<const Image> references, std::span<const Ima
   Quality quality;
   double similarity = 0.0;
   double byAcuity = 0.0;
-  double squared = 0.0;
+  std::vector<double> ratios;
   double difference = 0.0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const auto map = mssim(references[i], pictures[i]);
@@ -42,7 +40,7 @@ Result<Quality> qualityOf(std::span<const Image> references, std::span<const Ima
     if (metrics.psnr) {
       auto ratio = psnr(references[i], pictures[i]);
       if (!ratio) return tl::unexpected(ratio.error());
-      squared += squaredError(*ratio);
+      ratios.push_back(*ratio);
     }
     if (metrics.flip) {
       auto errors = flip(references[i], pictures[i]);
@@ -56,7 +54,7 @@ Result<Quality> qualityOf(std::span<const Image> references, std::span<const Ima
   const auto eyes = static_cast<double>(pictures.size());
   quality.mssim = similarity / eyes;
   if (foveation) quality.mssimAcuity = byAcuity / eyes;
-  if (metrics.psnr) quality.psnr = decibels(squared / eyes);
+  quality.psnr = pooledPsnr(ratios);
   if (metrics.flip) quality.flip = difference / eyes;
   return quality;
 }

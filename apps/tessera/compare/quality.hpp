@@ -22,6 +22,10 @@ struct Quality {
   std::optional<MetricMap> error;  // FLIP of the last eye
 };
 
+/// The PSNR of all pictures together is that of their mean squared error: means of decibels hide the bad ones.
+/// kNotMeasured without any.
+double pooledPsnr(std::span<const double> decibels);
+
 /// `foveation` with the vertical field of view of the pictures, for mssimAcuity. Fails where the pictures do
 /// not match.
 Result<Quality> qualityOf(std::span<const Image> references, std::span<const Image> pictures,

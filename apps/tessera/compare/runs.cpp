@@ -10,7 +10,6 @@ namespace tessera::app {
 
 namespace {
 
-// A page of four scenes and five methods stays a page that a browser opens at once.
 constexpr int kErrorQuality = 75;
 constexpr int kAtlasQuality = 80;
 

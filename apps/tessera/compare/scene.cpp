@@ -1,6 +1,5 @@
 #include "apps/tessera/compare/scene.hpp"
 
-#include <algorithm>
 #include <memory>
 
 #include <fmt/format.h>
@@ -30,10 +29,7 @@ FrameRequest requestOf(const std::vector<Method>& methods) {
 Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
                                  const std::vector<Method>& methods, const CompareOptions& options,
                                  glm::ivec2 size) {
-  StageChoice stageChoice = options.stage;
-  if (stageChoice.file.empty())
-    if (const auto shipped = shippedStage(file)) stageChoice.file = shipped->string();
-  auto stage = loadStageOf(stageChoice);
+  auto stage = loadStageFor(options.stage, file);
   if (!stage) return tl::unexpected(stage.error());
   auto setup = engineOptions(options.atlas);
   if (!setup) return tl::unexpected(setup.error());
@@ -47,17 +43,9 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
     if (!scene) return tl::unexpected(scene.error());
     CameraChoice camera = options.camera;
     const Stage* lit = *stage ? &**stage : nullptr;
-    const auto named = [&](const CameraPath& path) { return path.name == camera.path; };
-    const bool onStage = lit != nullptr && std::any_of(lit->paths.begin(), lit->paths.end(), named);
-    // A scene without a stage is seen by its first camera, or from outside.
-    if (camera.path == "tour" && !onStage) camera.path.clear();
-    if (onStage) {
-      // The whole path, however few frames: short runs see as much of the scene as long ones.
-      const CameraPath& path = *std::find_if(lit->paths.begin(), lit->paths.end(), named);
-      const double duration = path.keys.back().time - path.keys.front().time;
-      if (options.camera.fps <= 0.0 && duration > 0.0) camera.fps = std::max(camera.frames - 1, 1) / duration;
-    }
-    if (camera.fps <= 0.0) camera.fps = 30.0;
+    // Short runs see as much of the scene as long ones. Without a path, its first camera sees it, or one from
+    // outside.
+    if (auto covered = coverPath(camera, lit); !covered) return tl::unexpected(covered.error());
     auto found = viewsOf(camera, *scene, lit, size);
     if (!found) return tl::unexpected(found.error());
     views = std::move(*found);

@@ -1,7 +1,6 @@
 #include "apps/tessera/compare/series.hpp"
 
-#include <cmath>
-#include <limits>
+#include "apps/tessera/compare/quality.hpp"
 
 namespace tessera::app {
 
@@ -11,15 +10,6 @@ double mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return values.empty() ? kNotMeasured : sum / static_cast<double>(values.size());
-}
-
-/// A PSNR of a whole sequence is that of its mean squared error: means of decibels hide the bad frames.
-double pooledPsnr(const std::vector<double>& decibels) {
-  double mse = 0.0;
-  for (const double db : decibels) mse += std::isinf(db) ? 0.0 : std::pow(10.0, -db / 10.0);
-  if (decibels.empty()) return kNotMeasured;
-  return mse == 0.0 ? std::numeric_limits<double>::infinity()
-                    : -10.0 * std::log10(mse / static_cast<double>(decibels.size()));
 }
 
 bool isShading(const std::string& pass) { return pass == "gather" || pass == "forward"; }

@@ -12,19 +12,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string percent(double share, int decimals) {
-  return std::isnan(share) ? kDash : formatFixed(100.0 * share, decimals) + " %";
-}
-
 std::string headRow(const std::vector<std::string>& names) {
   std::string out = "<thead><tr>";
   for (const std::string& name : names) out += "<th scope=\"col\">" + name + "</th>";
   return out + "</tr></thead>\n";
 }
 
-std::string row(const std::string& head, const std::vector<std::string>& cells) {
+/// `note`: a cell over all columns that are left, if there is something to say.
+std::string row(const std::string& head, const std::vector<std::string>& cells, const std::string& note = {},
+                std::size_t noteColumns = 0) {
   std::string out = "<tr><th scope=\"row\">" + head + "</th>";
   for (const std::string& cell : cells) out += "<td>" + cell + "</td>";
+  if (!note.empty()) out += fmt::format("<td class=\"note\" colspan=\"{}\">{}</td>", noteColumns, note);
   return out + "</tr>\n";
 }
 
@@ -36,10 +35,10 @@ std::vector<std::string> summaryCells(const BenchSummary& s) {
   return {formatCount(static_cast<double>(s.oomFrames)),
           formatCount(s.reduced),
           formatCount(static_cast<double>(s.resets)),
-          percent(s.liveShare, 1),
-          percent(s.keptPlace, 2),
-          percent(s.movedShare, 2),
-          percent(s.movedShareOutsideResets, 2),
+          formatShare(s.liveShare),
+          formatShare(s.keptPlace, 2),
+          formatShare(s.movedShare, 2),
+          formatShare(s.movedShareOutsideResets, 2),
           formatFixed(s.bias, 2),
           timingCell(s.ms)};
 }
@@ -71,9 +70,15 @@ std::string sweepTable(const BenchScene& scene) {
   for (const BenchVariant& v : scene.sweep) {
     std::vector<std::string> cells = {fmt::format("{}", v.smallest), fmt::format("{}", v.largest),
                                       fmt::format("{} : 1", v.aspect)};
+    const std::string size =
+        v.standard ? fmt::format("<b>{}</b>", v.superblock) : fmt::format("{}", v.superblock);
+    if (!v.skipped.empty()) {
+      out += row(size, cells, "skipped: " + escapeHtml(v.skipped), kSummaryHead.size());
+      continue;
+    }
     const auto summary = summaryCells(v.summary);
     cells.insert(cells.end(), summary.begin(), summary.end());
-    out += row(v.standard ? fmt::format("<b>{}</b>", v.superblock) : fmt::format("{}", v.superblock), cells);
+    out += row(size, cells);
   }
   return out + "</tbody></table></div>\n";
 }
@@ -85,14 +90,16 @@ std::string speedTable(const BenchReport& report) {
                     "<tbody>\n";
   for (const BenchScene& scene : report.scenes) {
     const double cpu = summarize(scene.quadtree).ms.median;
-    const double gpu =
-        scene.strategies.empty() ? kNotMeasured : summarize(scene.strategies.front()).ms.median;
+    const auto s0 = std::find_if(scene.strategies.begin(), scene.strategies.end(),
+                                 [](const BenchRun& run) { return run.name == "S0"; });
+    const bool ran = s0 != scene.strategies.end();
+    const double gpu = ran ? summarize(*s0).ms.median : kNotMeasured;
     const double speedUp = cpu / gpu;
-    out +=
-        row(escapeHtml(scene.scene),
-            {formatDuration(cpu), formatDuration(gpu),
-             std::isfinite(speedUp) ? formatFixed(speedUp, speedUp < 10 ? 2 : 0) + " ×" : kDash,
-             formatDuration(scene.frameMs.median), percent(scene.memoryMs.median / scene.frameMs.median, 2)});
+    out += row(
+        escapeHtml(scene.scene),
+        {formatDuration(cpu), ran ? formatDuration(gpu) : "not run",
+         std::isfinite(speedUp) ? formatFixed(speedUp, speedUp < 10 ? 2 : 0) + " ×" : kDash,
+         formatDuration(scene.frameMs.median), formatShare(scene.memoryMs.median / scene.frameMs.median, 2)});
   }
   return out + "</tbody></table>\n";
 }

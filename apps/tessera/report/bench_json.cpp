@@ -56,7 +56,9 @@ Json sceneJson(const BenchScene& scene) {
   for (const BenchRun& run : scene.strategies) strategies.push_back(runJson(run));
   Json sweep = Json::array();
   for (const BenchVariant& variant : scene.sweep) {
-    Json json = summaryJson("S0", variant.summary);
+    const bool ran = variant.skipped.empty();
+    Json json = ran ? summaryJson("S0", variant.summary) : Json{{"name", "S0"}};
+    json["skipped"] = ran ? Json(nullptr) : Json(variant.skipped);
     json["superblock"] = variant.superblock;
     json["smallest_block"] = variant.smallest;
     json["largest_block"] = variant.largest;

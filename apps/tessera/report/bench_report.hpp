@@ -61,7 +61,8 @@ struct BenchVariant {
   int largest = 0;
   int aspect = 0;  // width to height at most
   bool standard = false;
-  BenchSummary summary;
+  std::string skipped;   // why these sizes cannot be; empty where they ran
+  BenchSummary summary;  // of what ran
 };
 
 struct BenchScene {

@@ -120,8 +120,8 @@ std::string escapeHtml(std::string_view text) {
   return out;
 }
 
-std::string formatShare(double value) {
-  return std::isfinite(value) ? formatFixed(100.0 * value, 1) + " %" : kDash;
+std::string formatShare(double value, int decimals) {
+  return std::isfinite(value) ? formatFixed(100.0 * value, decimals) + " %" : kDash;
 }
 
 std::string formatCount(double value) {

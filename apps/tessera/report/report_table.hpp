@@ -25,6 +25,6 @@ std::string timingCell(const Statistics& ms);
 /// 1234567.4 as "1,234,567".
 std::string formatCount(double value);
 /// 0.1234 as "12.3 %"; a dash for what does not apply.
-std::string formatShare(double value);
+std::string formatShare(double value, int decimals = 1);
 
 }  // namespace tessera

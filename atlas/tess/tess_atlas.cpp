@@ -108,10 +108,9 @@ void TessAtlas::bind() const {
 }
 
 void TessAtlas::beginShading() const {
-  if (spawn_.gather == TessGather::Raster) {
-    Gatherer::beginShading();
-    return;
-  }
+  // A draw wants a complete framebuffer even for what it discards, and a host may have none bound.
+  if (spawn_.gather != TessGather::Compute) Gatherer::beginShading();
+  if (spawn_.gather == TessGather::Raster) return;
   const gl::Texture& target = atlas_.display();
   gl::api().BindImageTexture(0, target.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, target.format());
   if (spawn_.gather == TessGather::Tess) {

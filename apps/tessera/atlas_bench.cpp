@@ -55,7 +55,6 @@ std::vector<RectMemoryOptions> variantsOf(const RectMemoryOptions& standard) {
     variant.aspectLog2 = log2;
     if (log2 != standard.aspectLog2) variants.push_back(variant);
   }
-  std::erase_if(variants, [&](const RectMemoryOptions& o) { return o.smallestLog2 > largestOf(o); });
   return variants;
 }
 

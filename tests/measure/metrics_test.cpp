@@ -310,8 +310,9 @@ TEST(AcuityMssim, WithoutFalloffIsMssim) {
 TEST(AcuityMssim, EqualIsOneForAnyEye) {
   for (const auto& [width, height] : {std::pair{200, 120}, {7, 300}, {3, 2}, {1, 1}}) {
     const Image image = noise(width, height, 5);
-    for (const Foveation& eye : {Foveation{}, {{0.9, 0.1}, 0.1, 0.3}, {{-50.0, 3.0}, 10.0, 90.0}})
+    for (const Foveation& eye : {Foveation{}, {{0.9, 0.1}, 0.1, 0.3}, {{-10.0, 3.0}, 10.0, 90.0}})
       EXPECT_NEAR(acuityMssim(image, image, kFovY, eye).value(), 1.0, 1e-12) << width << " x " << height;
+    EXPECT_FALSE(acuityMssim(image, image, kFovY, {{-50.0, 3.0}, 10.0, 90.0})) << "a gaze far from any picture";
   }
 }
 

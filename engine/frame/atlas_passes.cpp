@@ -105,7 +105,7 @@ void Engine::display(const View& view, DisplayMode mode) {
   if (deferred && s.deferred != nullptr) {
     s.pass("display-deferred", [&] {
       s.deferred->use();
-      s.id.ids.bind(UNIT_ID);
+      s.ids().bind(UNIT_ID);
       gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
       setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
       const glm::mat3 rays(pixelToRay(view));
@@ -114,7 +114,7 @@ void Engine::display(const View& view, DisplayMode mode) {
       gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
                                 static_cast<GLuint>((view.height + 7) / 8), 1);
     });
-    s.drawTransparent(view, "rect-transparent", s.id.depth);
+    s.drawTransparent(view, "rect-transparent", s.idDepth());
     gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
     return;
   }

@@ -46,7 +46,7 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     if (!program) return tl::unexpected(program.error());
     s.setViews({&view, 1});
     s.atlas->memory().bind();
-    s.id.ids.bind(UNIT_ID);
+    s.ids().bind(UNIT_ID);
     gl::api().BindImageTexture(0, target.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     (*program)->use();
     const glm::mat3 rays(pixelToRay(view));

@@ -29,6 +29,7 @@ struct IdTarget {
   gl::Texture ids;  // R32UI
   gl::Texture depth;
   gl::Framebuffer framebuffer;
+  gl::Texture lastIds, lastDepth;  // the last of several layers
   void resize(int width, int height, int layers = 0);
 };
 
@@ -97,6 +98,7 @@ struct Engine::State {
   bool throughLens = false;  // which of the two color() is
   IdTarget id;
   IdTarget idLayers;
+  bool idsInLayers = false;  // which of the two findVisible drew last
 
   std::vector<PassTime> times;
   std::optional<gl::Timer> timer;
@@ -144,8 +146,11 @@ struct Engine::State {
 
   Result<void> compile();
   /// Whether several views' ids are drawn in one pass, a layer each; compiles what that needs at its first
-  /// use.
+  /// use. What a driver offers and then refuses is not asked for again.
   bool drawsIdLayers();
+  /// Of the last view that findVisible drew.
+  [[nodiscard]] const gl::Texture& ids() const { return idsInLayers ? idLayers.lastIds : id.ids; }
+  [[nodiscard]] const gl::Texture& idDepth() const { return idsInLayers ? idLayers.lastDepth : id.depth; }
   Result<RectAtlas> makeAtlas(const RectAtlasOptions& atlasOptions);
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.

@@ -1,5 +1,6 @@
-// Marks the patch instances that the id buffer shows, and compacts them into the visible list. Run once a view, or
-// once over LAYERS, so that the union of several views is one list. A patch is appended by whoever marks it first.
+// Marks the patch instances that the id buffer shows, and compacts them into the visible list. Run once a
+// view, or once over LAYERS, so that the union of several views is one list. A patch is appended by whoever
+// marks it first.
 #include "shared/bindings.h"
 #include "shared/scene.h"
 

@@ -135,11 +135,12 @@ glsl::DensityGpu densityGpu(const View& view, const PlaceOptions& options) {
                            glsl::degreesPerCycle(static_cast<float>(view.pixelsPerRadian())), 0.0f);
   }
   if (options.lens) {
-    // Sec. 4.4: n is the angle from the centre, normalized by the field of view: here half of that from
-    // corner to corner, where display has the undistorted radius lensFill(lens).
-    const double tanY = std::tan(view.fovY * 0.5);
-    const double corner = std::atan(tanY * std::hypot(1.0, aspectOf(view)));
-    gpu.lens = glm::vec4(options.lens->k1, options.lens->k2, lensFill(*options.lens) / corner, 0.0);
+    // Display has radii of the picture, tangents, at the undistorted radius corner / tangent of the corner's
+    // angle, for the channel that reaches the corner.
+    const Lens& lens = *options.lens;
+    const double tanCorner = std::tan(view.fovY * 0.5) * std::hypot(1.0, aspectOf(view));
+    const double least = std::min({lens.channelScale.x, lens.channelScale.y, lens.channelScale.z});
+    gpu.lens = glm::vec4(lens.k1, lens.k2, (1.0 + lens.k1 + lens.k2) / tanCorner, lensFill(lens) / least);
   }
   return gpu;
 }

@@ -1,5 +1,7 @@
 #include "atlas/visible_set.hpp"
 
+#include <algorithm>
+
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -8,9 +10,12 @@ Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, std::uint32_t 
   VisibleSet set;
   auto mark = programs.get({"pass/visible_mark.comp"});
   if (!mark) return tl::unexpected(mark.error());
+  auto markLayers = programs.get({"pass/visible_mark.comp"}, {{"LAYERS", "1"}});
+  if (!markLayers) return tl::unexpected(markLayers.error());
   auto finish = programs.get({"pass/visible_finish.comp"});
   if (!finish) return tl::unexpected(finish.error());
   set.mark_ = *mark;
+  set.markLayers_ = *markLayers;
   set.finish_ = *finish;
   set.capacity_ = patchInstances;
   set.list_ = gl::Buffer((std::size_t{1} + patchInstances) * sizeof(std::uint32_t));
@@ -34,11 +39,13 @@ void VisibleSet::begin() {
 void VisibleSet::add(const gl::Texture& ids) {
   bind();
   ids.bind(UNIT_ID);
-  mark_->use();
-  mark_->set(LOCATION_FRAME, frame_);
+  const gl::Program& mark = ids.layers() > 0 ? *markLayers_ : *mark_;
+  mark.use();
+  mark.set(LOCATION_FRAME, frame_);
   constexpr int kGroup = 16;
   gl::api().DispatchCompute(static_cast<GLuint>((ids.width() + kGroup - 1) / kGroup),
-                            static_cast<GLuint>((ids.height() + kGroup - 1) / kGroup), 1);
+                            static_cast<GLuint>((ids.height() + kGroup - 1) / kGroup),
+                            static_cast<GLuint>(std::max(ids.layers(), 1)));
   gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

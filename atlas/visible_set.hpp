@@ -15,7 +15,7 @@ class VisibleSet {
 
   /// Starts a new frame's list.
   void begin();
-  /// Adds what an id buffer (R32UI, see idOfTriangle in glsl/shared/scene.h) shows.
+  /// Adds what an id buffer, or each layer of one, (R32UI, see idOfTriangle in glsl/shared/scene.h) shows.
   void add(const gl::Texture& ids);
   /// Writes the indirect-dispatch arguments.
   void finish();
@@ -34,6 +34,7 @@ class VisibleSet {
   gl::Buffer marks_;  // the frame each patch instance was last visible in; frames count from 1
   gl::Buffer dispatch_;
   const gl::Program* mark_ = nullptr;
+  const gl::Program* markLayers_ = nullptr;
   const gl::Program* finish_ = nullptr;
   std::uint32_t capacity_ = 0;
   std::uint32_t frame_ = 0;

@@ -1,6 +1,7 @@
 // A host with its own context: draws a background, lets the engine draw a scene into a part of its
 // framebuffer, and draws a frame and a bar over that.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "engine/image/image.hpp"
 #include "engine/tessera.hpp"
+#include "gaze.hpp"
 #include "host.hpp"
 #include "painter.hpp"
 
@@ -28,6 +30,7 @@ struct Options {
   int height = 600;
   int frames = 0;
   bool window = false;
+  bool foveate = false;
 };
 
 constexpr embed::Color kBottom = {0.10f, 0.12f, 0.16f, 1.0f};
@@ -79,7 +82,17 @@ Result<void> run(Host& host, const Options& options) {
     painter->fill(all, kBottom, kTop);
 
     (*engine)->update(seconds());
-    (*engine)->rect(cameraOf(**engine, picture.width, picture.height));
+    const std::array<tessera::View, 1> views = {cameraOf(**engine, picture.width, picture.height)};
+    tessera::PlaceOptions placing;
+    if (options.foveate) {
+      placing.foveation.emplace();
+      if (const auto cursor = host.cursor())
+        placing.foveation->gaze = embed::gazeUnder(*cursor, picture, all.height);
+    }
+    (*engine)->findVisible(views);
+    if (auto placed = (*engine)->place(views, placing); !placed) return placed;
+    (*engine)->shade(views[0]);
+    (*engine)->display(views[0]);
     (*engine)->blit(host.framebuffer(), picture.x, picture.y, picture.width, picture.height);
 
     // The host's program, vertex array, framebuffer and blending are still in place.
@@ -110,6 +123,8 @@ int runProgram(int argc, char** argv) {
   app.add_flag("--window", options.window, "show a window until it is closed, instead of one picture");
   app.add_option("--frames", options.frames, "with --window: end after this many pictures; 0 = never")
       ->check(CLI::Range(0, 1000000));
+  app.add_flag("--foveate", options.foveate,
+               "shade less where the eye resolves less: gaze at the cursor, without a window at the middle");
   app.add_option("--width", options.width, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
   app.add_option("--height", options.height, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
   try {

@@ -99,6 +99,15 @@ class WindowHost final : public Host {
     glfwPollEvents();
     return glfwWindowShouldClose(window_) == GLFW_FALSE;
   }
+  [[nodiscard]] std::optional<glm::dvec2> cursor() const override {
+    glm::dvec2 at(0.0);
+    glm::ivec2 size(0);
+    glfwGetCursorPos(window_, &at.x, &at.y);
+    glfwGetWindowSize(window_, &size.x, &size.y);
+    // Screen coordinates, which a display of high density has fewer of than pixels.
+    if (size.x <= 0 || size.y <= 0) return std::nullopt;
+    return at * glm::dvec2(width_, height_) / glm::dvec2(size);
+  }
 
  private:
   WindowHost() = default;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <glad/gl.h>
+#include <glm/glm.hpp>
 
 #include "engine/core/result.hpp"
 #include "engine/gl/context.hpp"
@@ -22,6 +24,8 @@ class Host {
   [[nodiscard]] virtual tessera::gl::GetProc loader() const = 0;
   /// Ends a picture. False when there is no next one.
   virtual bool present() = 0;
+  /// The cursor in pixels of the framebuffer from its top left; none where there is no window.
+  [[nodiscard]] virtual std::optional<glm::dvec2> cursor() const { return std::nullopt; }
 
   [[nodiscard]] const GladGLContext& gl() const { return gl_; }
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }

@@ -4,13 +4,9 @@
 #include <array>
 
 #include "host.hpp"
+#include "rectangle.hpp"
 
 namespace embed {
-
-/// Pixels from the lower left of the host's framebuffer.
-struct Rectangle {
-  int x = 0, y = 0, width = 0, height = 0;
-};
 
 using Color = std::array<float, 4>;  // as stored, [0, 1]; alpha is coverage
 

@@ -118,7 +118,11 @@ std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> in
 }
 
 DrawList cull(const Scene& scene, const DrawScene& draw, std::span<const Box> bounds,
-              const std::vector<bool>& mirrored, const Frustum& frustum) {
+              const std::vector<bool>& mirrored, std::span<const Frustum> frusta) {
+  const auto seen = [&](const Box& box) {
+    return std::any_of(frusta.begin(), frusta.end(),
+                       [&](const Frustum& frustum) { return frustum.touches(box); });
+  };
   DrawList list;
   for (std::uint32_t b = 0; b < draw.batches.size(); ++b) {
     const Batch& batch = draw.batches[b];
@@ -126,7 +130,7 @@ DrawList cull(const Scene& scene, const DrawScene& draw, std::span<const Box> bo
       const auto first = static_cast<std::uint32_t>(list.commands.size());
       std::uint32_t last = kNone;  // the instance that the newest command ends with
       for (std::uint32_t i = batch.firstInstance; i < batch.firstInstance + batch.instanceCount; ++i) {
-        if (mirrored[i] != side || !frustum.touches(bounds[i])) continue;
+        if (mirrored[i] != side || !seen(bounds[i])) continue;
         const Primitive& primitive = scene.primitives[draw.instances[i].primitive];
         list.triangles += primitive.indexCount / 3;
         if (last != kNone && last + 1 == i && draw.instances[last].primitive == draw.instances[i].primitive)

@@ -70,8 +70,8 @@ std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> in
 /// Bounds of a box under an affine transform.
 Box transformBox(const Box& box, const glm::dmat4& world);
 
-/// The draws of all instances whose box touches the frustum; boxes and frustum in the same space.
+/// The draws of all instances whose box touches one of the frusta; boxes and frusta in the same space.
 DrawList cull(const Scene& scene, const DrawScene& draw, std::span<const Box> bounds,
-              const std::vector<bool>& mirrored, const Frustum& frustum);
+              const std::vector<bool>& mirrored, std::span<const Frustum> frusta);
 
 }  // namespace tessera

@@ -261,8 +261,9 @@ std::uint64_t Engine::samplesPassed() const { return s_->samplesPassed; }
 std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
   const State& s = *s_;
   std::size_t targets = 0;
-  for (const gl::Texture* texture : {&s.picture.color, &s.picture.depth, &s.spare.color, &s.spare.depth,
-                                     &s.upsampledRows, &s.distorted.color, &s.id.ids, &s.id.depth})
+  for (const gl::Texture* texture :
+       {&s.picture.color, &s.picture.depth, &s.spare.color, &s.spare.depth, &s.upsampledRows,
+        &s.distorted.color, &s.id.ids, &s.id.depth, &s.idLayers.ids, &s.idLayers.depth})
     if (*texture) targets += texture->bytes();
   std::vector<std::pair<std::string, std::size_t>> sizes = {
       {"geometry", s.buffers.geometryBytes}, {"textures", s.buffers.textureBytes}, {"targets", targets}};

@@ -29,7 +29,7 @@ struct IdTarget {
   gl::Texture ids;  // R32UI
   gl::Texture depth;
   gl::Framebuffer framebuffer;
-  void resize(int width, int height);
+  void resize(int width, int height, int layers = 0);
 };
 
 /// Programs of a batch, by what draws it. Null where the plan has no such pass.
@@ -39,6 +39,7 @@ struct BatchPrograms {
   const gl::Program* forward = nullptr;
   const gl::Program* gather = nullptr;
   const gl::Program* id = nullptr;
+  const gl::Program* idLayers = nullptr;  // from the first call with several views on
   const gl::Program* depthOnly = nullptr;
   const gl::Program* shadow = nullptr;
   const gl::Program* display = nullptr;
@@ -95,6 +96,7 @@ struct Engine::State {
   PictureTarget distorted;   // of distort(), without depth
   bool throughLens = false;  // which of the two color() is
   IdTarget id;
+  IdTarget idLayers;
 
   std::vector<PassTime> times;
   std::optional<gl::Timer> timer;
@@ -141,6 +143,9 @@ struct Engine::State {
   }
 
   Result<void> compile();
+  /// Whether several views' ids are drawn in one pass, a layer each; compiles what that needs at its first
+  /// use.
+  bool drawsIdLayers();
   Result<RectAtlas> makeAtlas(const RectAtlasOptions& atlasOptions);
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
@@ -151,7 +156,8 @@ struct Engine::State {
   Result<const gl::Program*> measureProgram(const PlaceOptions& placing);
   /// Uploads and binds what that permutation reads of each view.
   void setDensities(std::span<const View> views, const PlaceOptions& placing);
-  [[nodiscard]] DrawList visibleDraws(const glm::dmat4& toClip) const;
+  /// What any of the views may see.
+  [[nodiscard]] DrawList visibleDraws(std::span<const View> views) const;
   /// Uploads the list's commands and makes them current.
   void useCommands(const DrawList& list);
   void drawRange(const DrawRange& range) const;

@@ -53,18 +53,20 @@ void Engine::State::beginPicture(const View& view) {
   throughLens = false;
 }
 
-void IdTarget::resize(int width, int height) {
-  if (ids && ids.width() == width && ids.height() == height) return;
+void IdTarget::resize(int width, int height, int layers) {
+  if (ids && ids.width() == width && ids.height() == height && ids.layers() == layers) return;
   *this = {};
-  ids = gl::Texture(GL_R32UI, width, height);
+  ids = gl::Texture(GL_R32UI, width, height, 1, layers);
   ids.filter(GL_NEAREST, GL_NEAREST);
-  depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
+  depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height, 1, layers);
   const std::array<const gl::Texture*, 1> colors = {&ids};
   framebuffer = gl::Framebuffer(colors, &depth);
 }
 
-DrawList Engine::State::visibleDraws(const glm::dmat4& toClip) const {
-  return cull(scene, draw, bounds, mirrored, frustumOf(toClip));
+DrawList Engine::State::visibleDraws(std::span<const View> views) const {
+  std::vector<Frustum> frusta;
+  for (const View& view : views) frusta.push_back(frustumOf(viewProjection(view, anchor)));
+  return cull(scene, draw, bounds, mirrored, frusta);
 }
 
 void Engine::State::useCommands(const DrawList& list) {
@@ -133,8 +135,8 @@ void Engine::State::drawShadows() {
           {.depth = gl::DepthTest::Less, .depthWrite = true, .offsetFactor = 1.5f, .offsetUnits = 2.0f});
       clearDepth(shadowFramebuffers[layer], 1.0f);
       // Both sides cast: thin walls and open meshes throw shadows from either.
-      drawDepthList(cull(scene, draw, bounds, mirrored, lights.layers[layer].frustum), &BatchPrograms::shadow,
-                    false, static_cast<int>(layer));
+      drawDepthList(cull(scene, draw, bounds, mirrored, {&lights.layers[layer].frustum, 1}),
+                    &BatchPrograms::shadow, false, static_cast<int>(layer));
     }
   });
 }
@@ -145,18 +147,33 @@ void Engine::findVisible(std::span<const View> views) {
   const auto guard = s.guard();
   s.bindScene();
   s.visible->begin();
-  for (const View& view : views.first(std::min(views.size(), kMaxViews))) {
-    s.setViews({&view, 1});
-    s.id.resize(view.width, view.height);
+  views = views.first(std::min(views.size(), kMaxViews));
+  const std::size_t atOnce = views.size() > 1 && s.drawsIdLayers() ? views.size() : 1;
+  for (std::size_t first = 0; first < views.size(); first += atOnce) {
+    const auto drawn = views.subspan(first, atOnce);
+    const bool layered = atOnce > 1;
+    IdTarget& target = layered ? s.idLayers : s.id;
+    s.setViews(drawn);
+    target.resize(views[first].width, views[first].height, layered ? static_cast<int>(atOnce) : 0);
     s.pass("id", [&] {
-      beginPass(s.id.framebuffer, view.width, view.height,
+      beginPass(target.framebuffer, views[first].width, views[first].height,
                 {.depth = gl::DepthTest::Greater, .depthWrite = true});
       const std::array<GLuint, 4> none = {0, 0, 0, 0};
-      gl::api().ClearNamedFramebufferuiv(s.id.framebuffer.get(), GL_COLOR, 0, none.data());
-      clearDepth(s.id.framebuffer, 0.0f);
-      s.drawDepthList(s.visibleDraws(viewProjection(view, s.anchor)), &BatchPrograms::id, true, -1);
+      gl::api().ClearNamedFramebufferuiv(target.framebuffer.get(), GL_COLOR, 0, none.data());
+      clearDepth(target.framebuffer, 0.0f);
+      DrawList list = s.visibleDraws(drawn);
+      if (!layered) {
+        s.drawDepthList(list, &BatchPrograms::id, true, -1);
+        return;
+      }
+      const auto times = static_cast<glsl::uint>(atOnce);
+      for (glsl::DrawCommand& command : list.commands) command.instanceCount *= times;
+      for (const BatchPrograms& programs : s.batchPrograms) programs.idLayers->set(LOCATION_COUNT, times);
+      s.buffers.stepInstances(times);
+      s.drawDepthList(list, &BatchPrograms::idLayers, true, -1);
+      s.buffers.stepInstances(1);
     });
-    s.pass("mark", [&] { s.visible->add(s.id.ids); });
+    s.pass("mark", [&] { s.visible->add(target.ids); });
   }
   s.visible->finish();
 }
@@ -167,7 +184,7 @@ void Engine::forward(const View& view, bool depthPrepass) {
   s.bindScene();
   s.setViews({&view, 1});
   s.beginPicture(view);
-  const DrawList list = s.visibleDraws(viewProjection(view, s.anchor));
+  const DrawList list = s.visibleDraws({&view, 1});
   gl::DrawState state{.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = true};
   const bool prepass = depthPrepass && s.graph.find("depth-prepass") != nullptr;
   if (prepass)

@@ -65,6 +65,19 @@ Result<void> Engine::State::compile() {
   return {};
 }
 
+bool Engine::State::drawsIdLayers() {
+  // Deferred display reads the ids of one view.
+  if (!context->info().vertexLayers || graph.find("display-deferred") != nullptr) return false;
+  for (BatchPrograms& batch : batchPrograms) {
+    if (batch.idLayers != nullptr) continue;
+    auto program =
+        programs.get({"pass/depth.vert", "pass/id.frag"}, definesOf(batch.depth, {"WRITE_ID", "LAYERS"}));
+    if (!program) return false;
+    batch.idLayers = *program;
+  }
+  return true;
+}
+
 Result<const gl::Program*> Engine::State::measureProgram(const PlaceOptions& placing) {
   gl::Defines defines;
   if (placing.foveation) defines["FOVEATE"] = "1";

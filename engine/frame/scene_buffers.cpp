@@ -49,22 +49,23 @@ glsl::MaterialGpu materialRecord(const Material& material) {
   return gpu;
 }
 
+constexpr GLuint kInstanceBinding = 8;
+
 /// InstanceGpu as attributes that step once an instance: see lib/instance.glsl.
 void bindInstances(const SceneBuffers& buffers) {
-  constexpr GLuint kBinding = 8;
   const GLuint array = buffers.vertexArray.get();
   const GladGLContext& gl = gl::api();
-  gl.VertexArrayVertexBuffer(array, kBinding, buffers.instances.get(), 0, sizeof(glsl::InstanceGpu));
-  gl.VertexArrayBindingDivisor(array, kBinding, 1);
+  gl.VertexArrayVertexBuffer(array, kInstanceBinding, buffers.instances.get(), 0, sizeof(glsl::InstanceGpu));
+  gl.VertexArrayBindingDivisor(array, kInstanceBinding, 1);
   for (GLuint row = 0; row < 5; ++row) {
-    const GLuint location = kBinding + row;
+    const GLuint location = kInstanceBinding + row;
     const GLuint offset = row * 16;
     gl.EnableVertexArrayAttrib(array, location);
     if (row < 3)
       gl.VertexArrayAttribFormat(array, location, 4, GL_FLOAT, GL_FALSE, offset);
     else
       gl.VertexArrayAttribIFormat(array, location, 4, GL_UNSIGNED_INT, offset);
-    gl.VertexArrayAttribBinding(array, location, kBinding);
+    gl.VertexArrayAttribBinding(array, location, kInstanceBinding);
   }
 }
 
@@ -224,6 +225,10 @@ void SceneBuffers::bind() const {
   instances.bindStorage(BIND_INSTANCES);
   patches.bindStorage(BIND_PATCHES);
   patchInstance.bindStorage(BIND_PATCH_INSTANCE);
+}
+
+void SceneBuffers::stepInstances(unsigned divisor) const {
+  gl::api().VertexArrayBindingDivisor(vertexArray.get(), kInstanceBinding, divisor);
 }
 
 void SceneBuffers::bindMaterial(std::uint32_t material, const Permutation& permutation) const {

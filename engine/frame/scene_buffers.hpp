@@ -34,6 +34,8 @@ struct SceneBuffers {
 
   /// Binds what every scene-reading shader may ask for.
   void bind() const;
+  /// How many instances of a draw share a record of the instances: 1, but where each is drawn several times.
+  void stepInstances(unsigned divisor) const;
   void bindMaterial(std::uint32_t material, const Permutation& permutation) const;
 };
 

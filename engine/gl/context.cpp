@@ -201,17 +201,20 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
         name, info_.renderer, info_.major, info_.minor);
   const bool is46 = info_.major > 4 || info_.minor >= 6;
   info_.shaderHeader = is46 ? "#version 460 core\n" : "#version 450 core\n";
+  GLint count = 0;
+  gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+  std::vector<std::string> offered;
+  offered.reserve(static_cast<std::size_t>(count));
+  for (GLint i = 0; i < count; ++i)
+    offered.emplace_back(reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
+  const auto offers = [&](const char* extension) {
+    return std::find(offered.begin(), offered.end(), extension) != offered.end();
+  };
+  info_.vertexLayers = offers("GL_ARB_shader_viewport_layer_array");
   if (!is46) {
-    GLint count = 0;
-    gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    std::vector<std::string> offered;
-    offered.reserve(static_cast<std::size_t>(count));
-    for (GLint i = 0; i < count; ++i)
-      offered.emplace_back(
-          reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
     std::string missing;
     for (const StandIn& standIn : kStandIns) {
-      if (std::find(offered.begin(), offered.end(), standIn.extension) == offered.end()) {
+      if (!offers(standIn.extension)) {
         missing += missing.empty() ? standIn.extension : std::string(", ") + standIn.extension;
         continue;
       }
@@ -223,7 +226,7 @@ Result<void> Context::load(Backend backend, const char* name, GetProc getProc, b
             "#define gl_BaseVertex gl_BaseVertexARB\n";
     }
     // Not needed, but a host may use it: the state guard puts the clamp back.
-    if (std::find(offered.begin(), offered.end(), "GL_ARB_polygon_offset_clamp") != offered.end())
+    if (offers("GL_ARB_polygon_offset_clamp"))
       functions_.PolygonOffsetClamp =
           reinterpret_cast<PFNGLPOLYGONOFFSETCLAMPPROC>(getProc("glPolygonOffsetClamp"));
     if (!missing.empty())

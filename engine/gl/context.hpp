@@ -28,6 +28,7 @@ struct ContextInfo {
   std::vector<std::string> standIns;
   /// "#version 460 core" or "#version 450 core" with its #extension lines.
   std::string shaderHeader;
+  bool vertexLayers = false;  // vertex shaders may write gl_Layer: GL_ARB_shader_viewport_layer_array
   bool software = false;  // a software rasterizer: timers fall back to finish and wall clock
 };
 

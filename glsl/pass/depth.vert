@@ -1,4 +1,8 @@
 // Positions only: the id pass, the depth pre-pass and shadow maps.
+// LAYERS: several views in one pass, a layer of the target each. Instances come once a view, the records step after all.
+#ifdef LAYERS
+#extension GL_ARB_shader_viewport_layer_array : require
+#endif
 #define STAGE_VERTEX
 #include "shared/bindings.h"
 #include "shared/scene.h"
@@ -9,6 +13,9 @@
 #ifdef SHADOW_LAYER
 layout(std140, binding = BIND_SHADOWS) uniform Shadows { ShadowGpu shadows[kMaxShadowLayers]; };
 layout(location = LOCATION_VIEW) uniform uint uLayer;
+#elif defined(LAYERS)
+layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[ID_VIEWS]; };
+layout(location = LOCATION_COUNT) uniform uint uViews;
 #else
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu view; };
 #endif
@@ -34,6 +41,10 @@ void main() {
   vec3 position = transformPoint(instance, aPosition);
 #ifdef SHADOW_LAYER
   gl_Position = shadows[uLayer].viewProjection * vec4(position, 1.0);
+#elif defined(LAYERS)
+  uint layer = uint(gl_InstanceID) % uViews;
+  gl_Position = views[layer].viewProjection * vec4(position, 1.0);
+  gl_Layer = int(layer);
 #else
   gl_Position = view.viewProjection * vec4(position, 1.0);
 #endif

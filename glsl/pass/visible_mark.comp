@@ -1,22 +1,28 @@
-// Marks the patch instances that the id buffer shows, and compacts them into the visible list. Run once a view, so
+// Marks the patch instances that the id buffer shows, and compacts them into the visible list. Run once a view, or once over LAYERS, so
 // that the union of several views is one list. A patch is appended by whoever marks it first.
 #include "shared/bindings.h"
 #include "shared/scene.h"
 
 layout(local_size_x = 16, local_size_y = 16) in;
+#ifdef LAYERS
+layout(binding = UNIT_ID) uniform usampler2DArray uIds;
+uint idAt(ivec2 pixel) { return texelFetch(uIds, ivec3(pixel, gl_WorkGroupID.z), 0).r; }
+#else
 layout(binding = UNIT_ID) uniform usampler2D uIds;
+uint idAt(ivec2 pixel) { return texelFetch(uIds, pixel, 0).r; }
+#endif
 layout(std430, binding = BIND_VISIBLE) buffer Visible { uint visibleCount; uint visibleIds[]; };
 layout(std430, binding = BIND_VISIBLE_MARK) coherent buffer Marks { uint marks[]; };
 layout(location = LOCATION_FRAME) uniform uint uFrame;
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  ivec2 size = textureSize(uIds, 0);
+  ivec2 size = textureSize(uIds, 0).xy;
   if (pixel.x >= size.x || pixel.y >= size.y) return;
-  uint id = texelFetch(uIds, pixel, 0).r;
+  uint id = idAt(pixel);
   if (id == 0u) return;
   // Of a run of equal ids along x only the first asks: most pixels end here.
-  if (gl_LocalInvocationID.x > 0u && (texelFetch(uIds, pixel - ivec2(1, 0), 0).r >> 2u) == (id >> 2u)) return;
+  if (gl_LocalInvocationID.x > 0u && (idAt(pixel - ivec2(1, 0)) >> 2u) == (id >> 2u)) return;
   uint patchId = (id >> 2u) - 1u;
   if (marks[patchId] == uFrame) return;
   if (atomicExchange(marks[patchId], uFrame) == uFrame) return;

@@ -6,6 +6,9 @@
 #include "shared/dialect.h"
 #include "shared/levels.h"
 TESSERA_SHARED_BEGIN
+#ifdef __cplusplus
+using glm::tan;
+#endif
 
 SHARED_CONST float kDegreesPerRadian = 57.2957795130823;
 SHARED_CONST float kPixelsPerCycle = 2.0;

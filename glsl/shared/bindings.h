@@ -48,6 +48,7 @@
 #define BIND_MATERIAL 4  // one MaterialGpu
 #define BIND_DENSITY 5   // DensityGpu[views], with foveation or a lens only
 #define BIND_UNIFORM_COUNT 6
+#define ID_VIEWS 8       // ViewGpu in BIND_VIEWS, at most
 
 // Texture units
 #define UNIT_MATERIAL 0  // five, one a slot of MaterialGpu

@@ -23,7 +23,6 @@ using glm::log2;
 using glm::max;
 using glm::min;
 using glm::sqrt;
-using glm::tan;
 inline uint floatBitsToUint(float value) { return std::bit_cast<uint>(value); }
 #endif
 

@@ -5,6 +5,7 @@
 // A bin is what fills superblocks one after the other: a block width, or a level where the strategy has no columns.
 #ifndef TESSERA_GLSL_SHARED_RECT_MEMORY_H
 #define TESSERA_GLSL_SHARED_RECT_MEMORY_H
+#include "shared/bindings.h"
 #include "shared/dialect.h"
 #include "shared/levels.h"
 #include "shared/pressure.h"
@@ -14,7 +15,7 @@ TESSERA_SHARED_BEGIN
 // 1).
 #define RECT_GROUP 64
 // How many views BIND_VIEWS has room for.
-#define RECT_VIEWS 8
+#define RECT_VIEWS ID_VIEWS
 SHARED_CONST uint kLevels = (kMaxBlockLog2 + 1u) * (kMaxBlockLog2 + 2u) / 2u;
 SHARED_CONST uint kNoSuperblock = 0xffffffffu;
 

@@ -122,7 +122,8 @@ TEST_F(Baselines, UpsamplingIsLanczos3OfTheCoveredPixels) {
   ASSERT_TRUE(engine);
   // Twice, and by ratios that no pixel pattern repeats.
   for (const glm::ivec2 size : {glm::ivec2(kWidth, kHeight), glm::ivec2(kWidth / 2 + 37, kHeight / 2 + 11)}) {
-    engine->forward(frontView(kWidth / 2, kHeight / 2));
+    // The board leaves the picture to the left and below: edges have a part in it.
+    engine->forward(lookAt({0.6, 0.35, -0.8}, {0.75, 0.9, -3.0}, 60.0, kWidth / 2, kHeight / 2, 0.05));
     const Image small = engine->readColor();
     const auto done = engine->upsample(size.x, size.y);
     ASSERT_TRUE(done) << done.error().message;
@@ -152,6 +153,12 @@ TEST_F(Baselines, UpsamplingIsLanczos3OfTheCoveredPixels) {
           worst = std::max(worst, std::abs(p[c] - std::clamp(expected[c] / expected[3], 0.0, 255.0)));
       }
     EXPECT_LE(worst, 1.0);
+    int atLeft = 0;
+    int atBottom = 0;
+    for (int y = 0; y < size.y; ++y) atLeft += large.at(0, y)[3] > 0 ? 1 : 0;
+    for (int x = 0; x < size.x; ++x) atBottom += large.at(x, size.y - 1)[3] > 0 ? 1 : 0;
+    EXPECT_GT(atLeft, size.y / 6) << "the board does not touch the edge";
+    EXPECT_GT(atBottom, size.x / 6) << "the board does not touch the edge";
     EXPECT_GT(covered, size.x * size.y / 6);
     EXPECT_LT(covered, size.x * size.y * 3 / 4);
     EXPECT_LE(undecided, size.x * size.y / 200);

@@ -280,7 +280,8 @@ TEST(Batches, CullMergesNeighboursAndSplitsMirrored) {
   for (const Instance& instance : draw.instances) mirrored.push_back(mirrors(state.world[instance.node]));
   const View view = lookAt({1, 0, 0}, {1, 0, -1}, 90.0, 100, 100, 0.1);
   const auto bounds = instanceBounds(scene, draw.instances, state);
-  const DrawList list = cull(scene, draw, bounds, mirrored, frustumOf(viewProjection(view, {0, 0, 0})));
+  const Frustum frustum = frustumOf(viewProjection(view, {0, 0, 0}));
+  const DrawList list = cull(scene, draw, bounds, mirrored, {&frustum, 1});
   ASSERT_EQ(list.ranges.size(), 2u);
   EXPECT_FALSE(list.ranges[0].mirrored);
   EXPECT_TRUE(list.ranges[1].mirrored);

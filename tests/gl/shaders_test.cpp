@@ -49,10 +49,12 @@ std::vector<std::string> permutationsOf(const std::string& path) {
     for (const std::string& defines : surface) all.push_back(defines + " GATHER");
   } else if (path == "pass/depth.vert") {
     for (const std::string& defines : depth)
-      for (const char* more : {"", " WRITE_ID", " SHADOW_LAYER"}) all.push_back(defines + more);
+      for (const char* more : {"", " WRITE_ID", " WRITE_ID LAYERS", " SHADOW_LAYER"}) all.push_back(defines + more);
   } else if (path == "pass/depth.frag" || path == "pass/id.frag" || path == "pass/display.vert" ||
              path == "pass/display.frag") {
     all = depth;
+  } else if (path == "pass/visible_mark.comp") {
+    all = {"", "LAYERS"};
   } else if (path == "pass/debug_screen.comp") {
     all = {"MODE=0", "MODE=1", "MODE=2", "MODE=3"};
   } else if (path == "pass/rect_measure.comp") {

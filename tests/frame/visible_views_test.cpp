@@ -1,0 +1,114 @@
+// The visible set of several views: one pass over layers gives what a pass a view gives.
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "engine/frame/engine.hpp"
+#include "tests/frame/small_scenes.hpp"
+#include "tests/gl_test.hpp"
+
+namespace tessera {
+namespace {
+
+using VisibleViews = test::GlTest;
+
+/// Boards at several depths: several instances of one mesh, one of them mirrored, and one with holes by
+/// alpha.
+Scene boards() {
+  Scene scene = test::emptyScene();
+  Material holes;
+  holes.alphaMode = AlphaMode::Mask;
+  holes.alphaCutoff = 0.5f;
+  holes.doubleSided = true;
+  Image dots{2, 2, std::vector<std::uint8_t>(16, 255)};
+  dots.pixels[3] = dots.pixels[15] = 0;
+  scene.images.push_back({"dots", dots});
+  holes.baseColor.image = static_cast<std::uint32_t>(scene.images.size() - 1);
+  const auto masked = test::addMaterial(scene, holes);
+  const auto board = test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 8, 8);
+  const auto sieve = test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 6, 6, masked);
+  const auto wall = test::addGrid(scene, {-6, -4, -8}, {12, 0, 0}, {0, 8, 0}, 40, 30);
+  for (int i = 0; i < 5; ++i) {
+    Node node;
+    node.translation = {-2.0 + i, 0.2 * i - 0.4, -3.0 - 0.4 * i};
+    if (i == 3) node.scale = {-1, 1, 1};
+    scene.nodes.push_back(node);
+    test::place(scene, i == 2 ? sieve : board, static_cast<std::uint32_t>(scene.nodes.size() - 1));
+  }
+  test::place(scene, wall, 0);
+  test::finish(scene);
+  return scene;
+}
+
+std::unique_ptr<Engine> make(bool deferred) {
+  EngineOptions options;
+  options.atlas.memory.width = options.atlas.memory.height = 1024;
+  options.splitEdges = 0.0;
+  // Deferred display reads the ids of one view, so its plan has a pass a view.
+  options.request.displayDeferred = deferred;
+  auto engine = Engine::create(test::context(), boards(), {}, options);
+  if (!engine) {
+    ADD_FAILURE() << engine.error().message;
+    return nullptr;
+  }
+  (*engine)->update(0.0);
+  return std::move(*engine);
+}
+
+std::set<std::uint32_t> seenBy(Engine& engine, std::span<const View> views) {
+  engine.findVisible(views);
+  const auto list = engine.visibleSet()->read();
+  std::set<std::uint32_t> seen(list.begin(), list.end());
+  EXPECT_EQ(seen.size(), list.size()) << "a patch is listed twice";
+  return seen;
+}
+
+std::vector<View> eyes(int count) {
+  std::vector<View> views;
+  for (int i = 0; i < count; ++i)
+    views.push_back(
+        lookAt({0.8 * i - 1.0, 0.1 * i, 0}, {0.6 * i - 1.0, 0, -4}, 40.0 + 3.0 * i, 203, 151, 0.05));
+  return views;
+}
+
+bool compiledLayers(const Engine& engine) {
+  const auto& all = engine.permutations();
+  return std::any_of(all.begin(), all.end(), [](const std::string& name) {
+    return name.find("pass/id.frag") != std::string::npos && name.find("LAYERS") != std::string::npos;
+  });
+}
+
+TEST_F(VisibleViews, OnePassSeesWhatOnePassAViewSees) {
+  auto together = make(false);
+  auto apart = make(true);
+  ASSERT_TRUE(together && apart);
+  for (const int count : {1, 2, 3, 8}) {
+    const auto views = eyes(count);
+    const auto seen = seenBy(*together, views);
+    EXPECT_EQ(seen, seenBy(*apart, views)) << count << " views";
+    std::set<std::uint32_t> any;
+    for (const View& view : views) any.merge(seenBy(*apart, {&view, 1}));
+    EXPECT_EQ(seen, any) << count << " views";
+    EXPECT_GE(seen.size(), seenBy(*together, {views.data(), 1}).size());
+  }
+  EXPECT_EQ(compiledLayers(*together), test::context().info().vertexLayers);
+  EXPECT_FALSE(compiledLayers(*apart));
+}
+
+TEST_F(VisibleViews, OneViewAfterSeveralIsItsOwn) {
+  auto engine = make(false);
+  ASSERT_TRUE(engine);
+  const auto views = eyes(3);
+  const auto alone = seenBy(*engine, {views.data(), 1});
+  seenBy(*engine, views);
+  EXPECT_EQ(seenBy(*engine, {views.data(), 1}), alone);
+  // The draw of other passes steps its instances as before.
+  engine->rect(views[0]);
+  const Image before = engine->readColor();
+  seenBy(*engine, views);
+  engine->rect(views[0]);
+  EXPECT_EQ(engine->readColor().pixels, before.pixels);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -59,7 +59,7 @@ void Engine::shade(const View& view, const ShadeOptions& options) {
         programs.gather->use();
         setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
         if (programs.shading.usesUv0 || programs.shading.usesUv1)
-          gl::api().ProgramUniform1f(programs.gather->get(), LOCATION_TEXTURE_BIAS, textureBias);
+          programs.gather->set(LOCATION_TEXTURE_BIAS, textureBias);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
         s.atlas->drawBatch(b);
       }

@@ -111,8 +111,7 @@ void Engine::display(const View& view, DisplayMode mode) {
       const glm::mat3 rays(pixelToRay(view));
       gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
       gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, background.data());
-      gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
-                                static_cast<GLuint>((view.height + 7) / 8), 1);
+      gl::dispatchOver(view.width, view.height);
     });
     s.drawTransparent(view, "rect-transparent", s.id.depth);
     gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);

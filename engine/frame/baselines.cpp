@@ -9,13 +9,6 @@ namespace tessera {
 
 namespace {
 
-constexpr int kGroup = 8;  // threads a side, as in lanczos.comp
-
-void dispatch(int width, int height) {
-  gl::api().DispatchCompute(static_cast<GLuint>((width + kGroup - 1) / kGroup),
-                            static_cast<GLuint>((height + kGroup - 1) / kGroup), 1);
-}
-
 glm::vec4 encodedBackground(const glm::vec3& linear) {
   return {glsl::encodeSrgb(linear.r), glsl::encodeSrgb(linear.g), glsl::encodeSrgb(linear.b), 0.0f};
 }
@@ -37,7 +30,7 @@ Result<void> Engine::upsample(int width, int height) {
     s.upsampleRows->use();
     s.picture.encoded.bind(UNIT_PICTURE);
     gl::api().BindImageTexture(0, s.upsampledRows.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-    dispatch(width, fromHeight);
+    gl::dispatchOver(width, fromHeight);
   });
   s.spare.resize(width, height);
   s.pass("upsample-columns", [&] {
@@ -46,7 +39,7 @@ Result<void> Engine::upsample(int width, int height) {
     gl::api().BindImageTexture(0, s.spare.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     const glm::vec4 background = encodedBackground(s.options.background);
     gl::api().ProgramUniform4fv(s.upsampleColumns->get(), LOCATION_BACKGROUND, 1, &background.x);
-    dispatch(width, height);
+    gl::dispatchOver(width, height);
   });
   // Whoever reads color() does not know that a shader stored it.
   gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |

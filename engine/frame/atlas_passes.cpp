@@ -6,7 +6,6 @@
 
 #include "engine/frame/engine_state.hpp"
 #include "glsl/shared/bindings.h"
-#include "glsl/shared/tone.h"
 
 namespace tessera {
 
@@ -75,10 +74,8 @@ void Engine::display(const View& view, DisplayMode mode) {
   s.beginPicture(view);
   // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
   // too.
-  const glm::vec3& b = s.options.background;
-  const glm::vec4 linearBackground(b, 0.0f);
-  const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
-                                           glsl::encodeSrgb(b.b), 0.0f};
+  const glm::vec4 linearBackground(s.options.background, 0.0f);
+  const glm::vec4 background = s.encodedBackground();
   // Always through the framebuffer that is drawn to next: zink (Mesa 22.3) defers clears, and applies one
   // that was made through another view of the texture in the wrong encoding.
   const auto clear = [&](const gl::Framebuffer& target, const float* color) {
@@ -110,11 +107,11 @@ void Engine::display(const View& view, DisplayMode mode) {
       setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
       const glm::mat3 rays(pixelToRay(view));
       gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
-      gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, background.data());
+      gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, &background.x);
       gl::dispatchOver(view.width, view.height);
     });
     s.drawTransparent(view, "rect-transparent", s.id.depth);
-    gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+    State::afterPictureStore();
     return;
   }
   s.pass("display", [&] {
@@ -122,7 +119,7 @@ void Engine::display(const View& view, DisplayMode mode) {
     gl::api().BindFramebuffer(GL_FRAMEBUFFER, target.get());
     gl::api().Viewport(0, 0, view.width, view.height);
     gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = linear});
-    clear(target, linear ? &linearBackground.x : background.data());
+    clear(target, linear ? &linearBackground.x : &background.x);
     for (std::uint32_t first = 0; first < s.draw.batches.size();) {
       const Batch& batch = s.draw.batches[first];
       std::uint32_t last = first + 1;

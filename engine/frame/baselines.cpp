@@ -3,17 +3,8 @@
 
 #include "engine/frame/engine_state.hpp"
 #include "glsl/shared/bindings.h"
-#include "glsl/shared/tone.h"
 
 namespace tessera {
-
-namespace {
-
-glm::vec4 encodedBackground(const glm::vec3& linear) {
-  return {glsl::encodeSrgb(linear.r), glsl::encodeSrgb(linear.g), glsl::encodeSrgb(linear.b), 0.0f};
-}
-
-}  // namespace
 
 Result<void> Engine::upsample(int width, int height) {
   State& s = *s_;
@@ -37,13 +28,11 @@ Result<void> Engine::upsample(int width, int height) {
     s.upsampleColumns->use();
     s.upsampledRows.bind(UNIT_PICTURE);
     gl::api().BindImageTexture(0, s.spare.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-    const glm::vec4 background = encodedBackground(s.options.background);
+    const glm::vec4 background = s.encodedBackground();
     gl::api().ProgramUniform4fv(s.upsampleColumns->get(), LOCATION_BACKGROUND, 1, &background.x);
     gl::dispatchOver(width, height);
   });
-  // Whoever reads color() does not know that a shader stored it.
-  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+  State::afterPictureStore();
   std::swap(s.picture, s.spare);
   s.throughLens = false;
   return {};
@@ -62,7 +51,7 @@ Result<void> Engine::warp(const View& from, const View& to) {
   for (int i = 0; i < 3; ++i) columns[i] = toClip * glm::dvec4(rays[i], 0.0);
   columns[3] = toClip * glm::dvec4(0.0, 0.0, 0.0, 1.0 / from.zNear);
   const glm::mat4 placeToClip(columns);
-  const glm::vec4 background = encodedBackground(s.options.background);
+  const glm::vec4 background = s.encodedBackground();
   s.spare.resize(to.width, to.height);
   if (!s.emptyVertices.get()) s.emptyVertices = gl::VertexArray::make();
   s.pass("warp", [&] {

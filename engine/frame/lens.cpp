@@ -61,9 +61,7 @@ Result<void> Engine::distort(const Lens& lens) {
     gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_CHANNELS, 1, &channels.x);
     gl::dispatchOver(width, height);
   });
-  // Whoever reads color() does not know that a shader stored it.
-  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+  State::afterPictureStore();
   s.throughLens = true;
   return {};
 }

@@ -51,8 +51,7 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     (*program)->use();
     const glm::mat3 rays(pixelToRay(view));
     gl::api().ProgramUniformMatrix3fv((*program)->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
-    gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
-                              static_cast<GLuint>((view.height + 7) / 8), 1);
+    gl::dispatchOver(view.width, view.height);
   }
   return flipped(target.width(), target.height(), gl::readTexture(target, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }

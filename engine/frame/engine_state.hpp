@@ -155,6 +155,10 @@ struct Engine::State {
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
   void beginPicture(const View& view);
+  /// After shaders stored the picture: whoever reads color() does not know that they did.
+  static void afterPictureStore();
+  /// The background in the encoding of the picture, for what writes encoded values; alpha 0.
+  [[nodiscard]] glm::vec4 encodedBackground() const;
   void bindScene();
   void setViews(std::span<const View> views);
   /// The permutation of the measuring pass for these options; null for the plain one.

@@ -78,13 +78,15 @@ Result<void> run(Host& host, const Options& options) {
   auto engine = tessera::Engine::create(**context, std::move(*scene), {}, {});
   if (!engine) return tl::unexpected(engine.error());
 
+  bool foveate = options.foveate;
   for (int frame = 1;; ++frame) {
+    if (host.togglePresses() % 2 == 1) foveate = !foveate;
     painter->fill(all, kBottom, kTop);
 
     (*engine)->update(seconds());
     const std::array<tessera::View, 1> views = {cameraOf(**engine, picture.width, picture.height)};
     tessera::PlaceOptions placing;
-    if (options.foveate) {
+    if (foveate) {
       placing.foveation.emplace();
       if (const auto cursor = host.cursor())
         placing.foveation->gaze = embed::gazeUnder(*cursor, picture, all.height);
@@ -124,7 +126,8 @@ int runProgram(int argc, char** argv) {
   app.add_option("--frames", options.frames, "with --window: end after this many pictures; 0 = never")
       ->check(CLI::Range(0, 1000000));
   app.add_flag("--foveate", options.foveate,
-               "shade less where the eye resolves less: gaze at the cursor, without a window at the middle");
+               "shade less where the eye resolves less: gaze at the cursor, without a window at the middle; "
+               "the F key turns it on and off");
   app.add_option("--width", options.width, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
   app.add_option("--height", options.height, "pixels")->check(CLI::Range(64, 8192))->capture_default_str();
   try {

@@ -1,6 +1,7 @@
 #include "host.hpp"
 
 #include <array>
+#include <utility>
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -88,6 +89,11 @@ class WindowHost final : public Host {
       return fail("the window's GL functions cannot be loaded");
     glfwGetFramebufferSize(host->window_, &host->width_, &host->height_);
     glfwSwapInterval(1);
+    glfwSetWindowUserPointer(host->window_, host.get());
+    glfwSetKeyCallback(host->window_, [](GLFWwindow* window, int key, int, int action, int) {
+      if (key == GLFW_KEY_F && action == GLFW_PRESS)
+        ++static_cast<WindowHost*>(glfwGetWindowUserPointer(window))->presses_;
+    });
     return host;
   }
   ~WindowHost() override {
@@ -108,6 +114,7 @@ class WindowHost final : public Host {
     if (size.x <= 0 || size.y <= 0) return std::nullopt;
     return at * glm::dvec2(width_, height_) / glm::dvec2(size);
   }
+  [[nodiscard]] int togglePresses() override { return std::exchange(presses_, 0); }
 
  private:
   WindowHost() = default;
@@ -119,6 +126,7 @@ class WindowHost final : public Host {
 
   bool initialized_ = false;
   GLFWwindow* window_ = nullptr;
+  int presses_ = 0;
 };
 
 #endif

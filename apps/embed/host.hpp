@@ -26,6 +26,8 @@ class Host {
   virtual bool present() = 0;
   /// The cursor in pixels of the framebuffer from its top left; none where there is no window.
   [[nodiscard]] virtual std::optional<glm::dvec2> cursor() const { return std::nullopt; }
+  /// How often the F key went down since the last call; 0 where there is no window.
+  [[nodiscard]] virtual int togglePresses() { return 0; }
 
   [[nodiscard]] const GladGLContext& gl() const { return gl_; }
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_; }

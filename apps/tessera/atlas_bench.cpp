@@ -185,6 +185,9 @@ Result<std::vector<std::filesystem::path>> recordsOf(const AtlasBenchOptions& op
     for (const std::string& loaded : options.load)
       if (std::filesystem::equivalent(file, loaded, ignored))
         return fail("--record {}: {} is one of the files to --load", options.record, file.string());
+    for (const std::string& read : options.scenes)
+      if (std::filesystem::equivalent(file, read, ignored))
+        return fail("--record {}: {} is one of the scenes", options.record, file.string());
     if (auto writable = checkWritable(file); !writable) return fail("--record {}", writable.error().message);
     files.push_back(std::move(file));
   }

@@ -50,7 +50,7 @@ class StreamFeed {
   gl::Buffer list_;
   gl::Buffer marks_;
   gl::Buffer dispatch_;
-  std::vector<std::uint32_t> numbers_;     // the frame each patch was last visible in
+  std::vector<std::uint32_t> numbers_;  // the frame each patch was last visible in
   std::uint32_t number_ = 0;
 };
 

@@ -6,7 +6,6 @@
 
 #include "engine/frame/engine_state.hpp"
 #include "glsl/shared/bindings.h"
-#include "glsl/shared/tone.h"
 
 namespace tessera {
 
@@ -62,7 +61,7 @@ void Engine::shade(const View& view, const ShadeOptions& options) {
         programs.gather->use();
         if (gatherer->rasters()) setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
         if (programs.shading.usesUv0 || programs.shading.usesUv1)
-          gl::api().ProgramUniform1f(programs.gather->get(), LOCATION_TEXTURE_BIAS, textureBias);
+          programs.gather->set(LOCATION_TEXTURE_BIAS, textureBias);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
         gatherer->shadeBatch(*programs.gather, b);
       }
@@ -79,10 +78,8 @@ void Engine::display(const View& view, DisplayMode mode) {
   s.beginPicture(view);
   // Background in the encoding of the target: display copies encoded texels, so its clear must be encoded
   // too.
-  const glm::vec3& b = s.options.background;
-  const glm::vec4 linearBackground(b, 0.0f);
-  const std::array<float, 4> background = {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g),
-                                           glsl::encodeSrgb(b.b), 0.0f};
+  const glm::vec4 linearBackground(s.options.background, 0.0f);
+  const glm::vec4 background = s.encodedBackground();
   // Always through the framebuffer that is drawn to next: zink (Mesa 22.3) defers clears, and applies one
   // that was made through another view of the texture in the wrong encoding.
   const auto clear = [&](const gl::Framebuffer& target, const float* color) {
@@ -111,17 +108,16 @@ void Engine::display(const View& view, DisplayMode mode) {
   if (deferred && s.deferred != nullptr) {
     s.pass("display-deferred", [&] {
       s.deferred->use();
-      s.id.ids.bind(UNIT_ID);
+      s.ids().bind(UNIT_ID);
       gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
       setVec2(*s.deferred, LOCATION_SIZE, texelX, texelY);
       const glm::mat3 rays(pixelToRay(view));
       gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
-      gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, background.data());
-      gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
-                                static_cast<GLuint>((view.height + 7) / 8), 1);
+      gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, &background.x);
+      gl::dispatchOver(view.width, view.height);
     });
-    s.drawTransparent(view, "rect-transparent", s.id.depth);
-    gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+    s.drawTransparent(view, "rect-transparent", s.idDepth());
+    State::afterPictureStore();
     return;
   }
   s.pass("display", [&] {
@@ -129,7 +125,7 @@ void Engine::display(const View& view, DisplayMode mode) {
     gl::api().BindFramebuffer(GL_FRAMEBUFFER, target.get());
     gl::api().Viewport(0, 0, view.width, view.height);
     gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = linear});
-    clear(target, linear ? &linearBackground.x : background.data());
+    clear(target, linear ? &linearBackground.x : &background.x);
     for (std::uint32_t first = 0; first < s.draw.batches.size();) {
       const Batch& batch = s.draw.batches[first];
       std::uint32_t last = first + 1;

@@ -3,24 +3,8 @@
 
 #include "engine/frame/engine_state.hpp"
 #include "glsl/shared/bindings.h"
-#include "glsl/shared/tone.h"
 
 namespace tessera {
-
-namespace {
-
-constexpr int kGroup = 8;  // threads a side, as in lanczos.comp
-
-void dispatch(int width, int height) {
-  gl::api().DispatchCompute(static_cast<GLuint>((width + kGroup - 1) / kGroup),
-                            static_cast<GLuint>((height + kGroup - 1) / kGroup), 1);
-}
-
-glm::vec4 encodedBackground(const glm::vec3& linear) {
-  return {glsl::encodeSrgb(linear.r), glsl::encodeSrgb(linear.g), glsl::encodeSrgb(linear.b), 0.0f};
-}
-
-}  // namespace
 
 Result<void> Engine::upsample(int width, int height) {
   State& s = *s_;
@@ -37,20 +21,18 @@ Result<void> Engine::upsample(int width, int height) {
     s.upsampleRows->use();
     s.picture.encoded.bind(UNIT_PICTURE);
     gl::api().BindImageTexture(0, s.upsampledRows.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-    dispatch(width, fromHeight);
+    gl::dispatchOver(width, fromHeight);
   });
   s.spare.resize(width, height);
   s.pass("upsample-columns", [&] {
     s.upsampleColumns->use();
     s.upsampledRows.bind(UNIT_PICTURE);
     gl::api().BindImageTexture(0, s.spare.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-    const glm::vec4 background = encodedBackground(s.options.background);
+    const glm::vec4 background = s.encodedBackground();
     gl::api().ProgramUniform4fv(s.upsampleColumns->get(), LOCATION_BACKGROUND, 1, &background.x);
-    dispatch(width, height);
+    gl::dispatchOver(width, height);
   });
-  // Whoever reads color() does not know that a shader stored it.
-  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+  State::afterPictureStore();
   std::swap(s.picture, s.spare);
   s.throughLens = false;
   return {};
@@ -69,7 +51,7 @@ Result<void> Engine::warp(const View& from, const View& to) {
   for (int i = 0; i < 3; ++i) columns[i] = toClip * glm::dvec4(rays[i], 0.0);
   columns[3] = toClip * glm::dvec4(0.0, 0.0, 0.0, 1.0 / from.zNear);
   const glm::mat4 placeToClip(columns);
-  const glm::vec4 background = encodedBackground(s.options.background);
+  const glm::vec4 background = s.encodedBackground();
   s.spare.resize(to.width, to.height);
   if (!s.emptyVertices.get()) s.emptyVertices = gl::VertexArray::make();
   s.pass("warp", [&] {

@@ -48,13 +48,12 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     if (!program) return tl::unexpected(program.error());
     s.setViews({&view, 1});
     s.atlas->memory().bind();
-    s.id.ids.bind(UNIT_ID);
+    s.ids().bind(UNIT_ID);
     gl::api().BindImageTexture(0, target.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
     (*program)->use();
     const glm::mat3 rays(pixelToRay(view));
     gl::api().ProgramUniformMatrix3fv((*program)->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
-    gl::api().DispatchCompute(static_cast<GLuint>((view.width + 7) / 8),
-                              static_cast<GLuint>((view.height + 7) / 8), 1);
+    gl::dispatchOver(view.width, view.height);
   }
   return flipped(target.width(), target.height(), gl::readTexture(target, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }

@@ -5,6 +5,7 @@
 #include "engine/frame/engine_state.hpp"
 #include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
+#include "glsl/shared/tone.h"
 
 namespace tessera {
 
@@ -95,6 +96,16 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
     s.blendIndices = gl::Buffer(std::size_t{longest} * sizeof(std::uint32_t));
   }
   return engine;
+}
+
+void Engine::State::afterPictureStore() {
+  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+glm::vec4 Engine::State::encodedBackground() const {
+  const glm::vec3& b = options.background;
+  return {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g), glsl::encodeSrgb(b.b), 0.0f};
 }
 
 void Engine::State::bindScene() {

@@ -29,6 +29,7 @@ struct IdTarget {
   gl::Texture ids;  // R32UI
   gl::Texture depth;
   gl::Framebuffer framebuffer;
+  gl::Texture lastIds, lastDepth;  // the last of several layers
   void resize(int width, int height, int layers = 0);
 };
 
@@ -98,6 +99,7 @@ struct Engine::State {
   bool throughLens = false;  // which of the two color() is
   IdTarget id;
   IdTarget idLayers;
+  bool idsInLayers = false;  // which of the two findVisible drew last
 
   std::vector<PassTime> times;
   std::optional<gl::Timer> timer;
@@ -153,11 +155,18 @@ struct Engine::State {
     return tess ? static_cast<Gatherer*>(&*tess) : (atlas ? &*atlas : nullptr);
   }
   /// Whether several views' ids are drawn in one pass, a layer each; compiles what that needs at its first
-  /// use.
+  /// use. What a driver offers and then refuses is not asked for again.
   bool drawsIdLayers();
+  /// Of the last view that findVisible drew.
+  [[nodiscard]] const gl::Texture& ids() const { return idsInLayers ? idLayers.lastIds : id.ids; }
+  [[nodiscard]] const gl::Texture& idDepth() const { return idsInLayers ? idLayers.lastDepth : id.depth; }
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
   void beginPicture(const View& view);
+  /// After shaders stored the picture: whoever reads color() does not know that they did.
+  static void afterPictureStore();
+  /// The background in the encoding of the picture, for what writes encoded values; alpha 0.
+  [[nodiscard]] glm::vec4 encodedBackground() const;
   void bindScene();
   void setViews(std::span<const View> views);
   /// The permutation of the measuring pass for these options; null for the plain one.

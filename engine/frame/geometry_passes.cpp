@@ -61,6 +61,11 @@ void IdTarget::resize(int width, int height, int layers) {
   depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height, 1, layers);
   const std::array<const gl::Texture*, 1> colors = {&ids};
   framebuffer = gl::Framebuffer(colors, &depth);
+  if (layers == 0) return;
+  lastIds = ids.layer(layers - 1);
+  lastIds.filter(GL_NEAREST, GL_NEAREST);
+  lastDepth = depth.layer(layers - 1);
+  lastDepth.filter(GL_NEAREST, GL_NEAREST);
 }
 
 DrawList Engine::State::visibleDraws(std::span<const View> views) const {
@@ -148,10 +153,11 @@ void Engine::findVisible(std::span<const View> views) {
   s.bindScene();
   s.visible->begin();
   views = views.first(std::min(views.size(), kMaxViews));
-  const std::size_t atOnce = views.size() > 1 && s.drawsIdLayers() ? views.size() : 1;
+  const bool layered = views.size() > 1 && s.drawsIdLayers();
+  const std::size_t atOnce = layered ? views.size() : 1;
+  s.idsInLayers = layered;
   for (std::size_t first = 0; first < views.size(); first += atOnce) {
     const auto drawn = views.subspan(first, atOnce);
-    const bool layered = atOnce > 1;
     IdTarget& target = layered ? s.idLayers : s.id;
     s.setViews(drawn);
     target.resize(views[first].width, views[first].height, layered ? static_cast<int>(atOnce) : 0);

@@ -59,11 +59,9 @@ Result<void> Engine::distort(const Lens& lens) {
     const glm::vec3 channels(lens.channelScale);
     gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_LENS, 1, &numbers.x);
     gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_CHANNELS, 1, &channels.x);
-    gl::api().DispatchCompute(static_cast<GLuint>((width + 7) / 8), static_cast<GLuint>((height + 7) / 8), 1);
+    gl::dispatchOver(width, height);
   });
-  // Whoever reads color() does not know that a shader stored it.
-  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+  State::afterPictureStore();
   s.throughLens = true;
   return {};
 }

@@ -102,13 +102,12 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
 }
 
 bool Engine::State::drawsIdLayers() {
-  // Deferred display reads the ids of one view.
-  if (!context->info().vertexLayers || graph.find("display-deferred") != nullptr) return false;
+  if (!context->info().vertexLayers || !options.idLayers) return false;
   for (BatchPrograms& batch : batchPrograms) {
     if (batch.idLayers != nullptr) continue;
     auto program =
         programs.get({"pass/depth.vert", "pass/id.frag"}, definesOf(batch.depth, {"WRITE_ID", "LAYERS"}));
-    if (!program) return false;
+    if (!program) return options.idLayers = false;
     batch.idLayers = *program;
   }
   return true;

@@ -135,9 +135,12 @@ glsl::DensityGpu densityGpu(const View& view, const PlaceOptions& options) {
                            glsl::degreesPerCycle(static_cast<float>(view.pixelsPerRadian())), 0.0f);
   }
   if (options.lens) {
-    // At the picture's corner display has the undistorted radius lensFill(lens).
+    // Radii of a flat picture are tangents. The picture's corner has the undistorted radius 1 + k1 + k2 in
+    // the channel that fills the output.
+    const Lens& lens = *options.lens;
     const double corner = std::tan(view.fovY * 0.5) * std::hypot(1.0, aspectOf(view));
-    gpu.lens = glm::vec4(options.lens->k1, options.lens->k2, lensFill(*options.lens) / corner, 0.0);
+    const double least = std::min({lens.channelScale.x, lens.channelScale.y, lens.channelScale.z});
+    gpu.lens = glm::vec4(lens.k1, lens.k2, (1.0 + lens.k1 + lens.k2) / corner, lensFill(lens) / least);
   }
   return gpu;
 }

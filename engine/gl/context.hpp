@@ -29,7 +29,7 @@ struct ContextInfo {
   /// "#version 460 core" or "#version 450 core" with its #extension lines.
   std::string shaderHeader;
   bool vertexLayers = false;  // vertex shaders may write gl_Layer: GL_ARB_shader_viewport_layer_array
-  bool software = false;  // a software rasterizer: timers fall back to finish and wall clock
+  bool software = false;      // a software rasterizer: timers fall back to finish and wall clock
 };
 
 struct ContextOptions {

@@ -101,19 +101,26 @@ Texture::Texture(GLenum format, int width, int height, int levels, int layers)
     api().TextureStorage2D(name, levels, format, width, height);
 }
 
-Texture Texture::view(GLenum format) const {
+Texture Texture::view(GLenum format) const { return viewOf(target_, format, 0, layers_); }
+
+Texture Texture::layer(int index) const {
+  assert(index >= 0 && index < layers_);
+  return viewOf(GL_TEXTURE_2D, format_, index, 0);
+}
+
+Texture Texture::viewOf(GLenum target, GLenum format, int firstLayer, int layers) const {
   Texture other;
   GLuint name = 0;
   api().GenTextures(1, &name);
-  api().TextureView(name, target_, name_.get(), format, 0, static_cast<GLuint>(levels_), 0,
-                    static_cast<GLuint>(std::max(layers_, 1)));
+  api().TextureView(name, target, name_.get(), format, 0, static_cast<GLuint>(levels_),
+                    static_cast<GLuint>(firstLayer), static_cast<GLuint>(std::max(layers, 1)));
   other.name_ = Name<&deleteTexture>(name);
-  other.target_ = target_;
+  other.target_ = target;
   other.format_ = format;
   other.width_ = width_;
   other.height_ = height_;
   other.levels_ = levels_;
-  other.layers_ = layers_;
+  other.layers_ = layers;
   return other;
 }
 

@@ -100,6 +100,8 @@ class Texture {
   Texture(GLenum format, int width, int height, int levels = 1, int layers = 0);
   /// Another reading of the same storage (say RGBA8 of an SRGB8_ALPHA8 texture): all levels and layers.
   [[nodiscard]] Texture view(GLenum format) const;
+  /// One layer of an array, as a 2D texture over the same storage.
+  [[nodiscard]] Texture layer(int index) const;
 
   [[nodiscard]] GLuint get() const { return name_.get(); }
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(name_); }
@@ -124,6 +126,8 @@ class Texture {
   void upload(int level, GLenum format, GLenum type, const void* pixels);
 
  private:
+  [[nodiscard]] Texture viewOf(GLenum target, GLenum format, int firstLayer, int layers) const;
+
   Name<&deleteTexture> name_;
   GLenum target_ = GL_TEXTURE_2D;
   GLenum format_ = 0;

@@ -138,6 +138,11 @@ void Program::set(GLint location, unsigned value) const {
 }
 void Program::set(GLint location, float value) const { api().ProgramUniform1f(name_.get(), location, value); }
 
+void dispatchOver(int width, int height, int side) {
+  api().DispatchCompute(static_cast<GLuint>((width + side - 1) / side),
+                        static_cast<GLuint>((height + side - 1) / side), 1);
+}
+
 Result<const Program*> ProgramCache::get(const std::vector<std::string>& paths, const Defines& defines) {
   std::string key;
   for (const std::string& path : paths) key += (key.empty() ? "" : " + ") + path;

@@ -46,6 +46,9 @@ class Program {
   Name<&deleteProgram> name_;
 };
 
+/// Runs the compute program in use with a thread for each of width x height pixels, in groups of side x side.
+void dispatchOver(int width, int height, int side = 8);
+
 /// Programs by files and defines, each compiled once and kept.
 class ProgramCache {
  public:

@@ -34,6 +34,10 @@ layout(binding = UNIT_MATERIAL + 3) uniform sampler2D uOcclusion;
 layout(binding = UNIT_MATERIAL + 4) uniform sampler2D uEmissive;
 #endif
 
+#if (defined(GATHER) || defined(SURFACE_STEPS)) && (defined(USES_UV0) || defined(USES_UV1))
+layout(location = LOCATION_TEXTURE_BIAS) uniform float uTextureBias;  // mip levels, where texels are shaded
+#endif
+
 struct Surface {
   vec3 position;  // relative to the anchor
   vec3 normal;    // of any length
@@ -95,7 +99,8 @@ vec2 uvOf(Surface s, uint slot) {
 }
 
 #ifdef SURFACE_STEPS
-// The mip level whose texels are as far apart as the samples are, along the direction where they are farthest.
+// The mip level whose texels are as far apart as the samples are, along the direction where they are farthest,
+// and the bias.
 float lodOf(Surface s, uint slot, vec2 size) {
   float longest = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -109,13 +114,10 @@ float lodOf(Surface s, uint slot, vec2 size) {
     vec2 texels = transformUv(slot, vec3(uvStep, 0.0)) * size;
     longest = max(longest, dot(texels, texels));
   }
-  return 0.5 * log2(clamp(longest, 1e-20, 1e20));
+  return 0.5 * log2(clamp(longest, 1e-20, 1e20)) + uTextureBias;
 }
-layout(location = LOCATION_TEXTURE_BIAS) uniform float uTextureBias;  // mip levels
-#define SURFACE_TEXTURE(map, slot) \
-  textureLod(map, uvOf(s, slot), lodOf(s, slot, vec2(textureSize(map, 0))) + uTextureBias)
+#define SURFACE_TEXTURE(map, slot) textureLod(map, uvOf(s, slot), lodOf(s, slot, vec2(textureSize(map, 0))))
 #elif defined(GATHER)
-layout(location = LOCATION_TEXTURE_BIAS) uniform float uTextureBias;  // mip levels
 #define SURFACE_TEXTURE(map, slot) texture(map, uvOf(s, slot), uTextureBias)
 #else
 #define SURFACE_TEXTURE(map, slot) texture(map, uvOf(s, slot))

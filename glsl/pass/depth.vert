@@ -1,5 +1,6 @@
 // Positions only: the id pass, the depth pre-pass and shadow maps.
-// LAYERS: several views in one pass, a layer of the target each. Instances come once a view, the records step after all.
+// LAYERS: several views in one pass, a layer of the target each. Instances come once a view; their
+// records step after the last view.
 #ifdef LAYERS
 #extension GL_ARB_shader_viewport_layer_array : require
 #endif

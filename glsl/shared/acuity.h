@@ -12,7 +12,6 @@ using glm::tan;
 
 SHARED_CONST float kDegreesPerRadian = 57.2957795130823;
 SHARED_CONST float kPixelsPerCycle = 2.0;
-SHARED_CONST float kSteepest = 1.55;  // radians from the axis: past every picture, and its tangent is finite
 SHARED_CONST float kSmallestRadius = 1.0e-6;  // of a lens: nearer to the centre nothing is distorted
 
 // What level selection knows of a view beside its eye. World directions are those of positions: no rotation lies
@@ -21,7 +20,7 @@ struct DensityGpu {
   vec4 gaze;    // unit direction looked at; w unused
   vec4 axis;    // unit direction of the picture's centre; w unused
   vec4 acuity;  // slope (degrees a degree), smallest angle (degrees), the display's degrees per cycle; w unused
-  vec4 lens;    // k1, k2, undistorted radius over the tangent of the angle from the axis; w unused
+  vec4 lens;    // k1, k2, undistorted radius per tangent of the angle from the axis, see lensShare: fill
 };
 
 // Eq. 4.2's w*: a display shows a cycle on two pixels.
@@ -117,39 +116,56 @@ SHARED_FN float lensDistort(float undistorted, float k1, float k2) {
   return at;
 }
 
-// Length on the distorted display over length in the undistorted picture, at undistorted radius n, over what it is in the
-// middle; cut to 0..1 (sec. 4.4). Display fills its output with the picture (Lens::fill), so the middle of a barrel lens is
-// magnified, by 1 + k1 + k2 at equal sizes: a texel a pixel of the undistorted picture is that much less than one a pixel
-// of the display there. Levels that follow this scale keep the middle's density on the display everywhere across the
-// radius, and more along it, where a barrel lens presses more; none is coarser on the display than in the middle. For a
-// texel a pixel of the display, take the bias -2 log2(1 + k1 + k2) and draw the picture as much larger.
-// Taken from the inverse of eq. 4.4 itself: any k1 and k2 have it.
-SHARED_FN float lensScale(float n, float k1, float k2) {
-  float within = min(n, lensUndistort(kLevelOne, k1, k2));
-  if (!isFiniteNumber(within) || !(within > kSmallestRadius)) return kLevelOne;
-  return clamp(lensDistort(within, k1, k2) / within, kLevelZero, kLevelOne);
+// The least of 1 + a x + b x^2 over x in [low, high].
+SHARED_FN float leastOver(float low, float high, float a, float b) {
+  float turn = b > kLevelZero ? clamp(-a / (b + b), low, high) : low;
+  float least = kLevelOne + turn * (a + turn * b);
+  return min(least, min(kLevelOne + low * (a + low * b), kLevelOne + high * (a + high * b)));
 }
 
-// The same for k1 = 0.22, k2 = 0.24 as printed (eq. 4.5). A least-squares quintic through the inverse of eq. 4.4,
-// sampled evenly over distorted radii 0..1, has these coefficients before rounding; so n is the undistorted
-// radius, and its range is 0..1.46, not 0..1. Rounded it is off by at most 0.005 up to n = 0.9 (once cut to 0..1)
-// and by 0.015 at 1.46; past 2.2 it falls to nonsense. For accuracy studies.
+// How much of a patch's area a lens leaves to be seen, 0 to 1, for a patch that lies within the undistorted radii
+// nearest..farthest (on eq. 4.4's scale, cut at the corner's). Display draws the picture first and the lens then:
+// along the radius lensSlope / fill pixels of the picture meet in one of the output, across it
+// lensUndistort(d) / d / fill. Where these are above 1, texels that are as many times longer are still a pixel of
+// the output each; where they are below, the output enlarges, and more texels than the picture has pixels would be
+// lost to it. The largest share over the patch counts, so none of it gets less than it shows.
+// Eq. 4.5's d / n for both directions leaves fill out: of the default lens at d = 0.7 it keeps 0.74 of the area,
+// where display shows 0.92.
+SHARED_FN float lensShare(float nearest, float farthest, float k1, float k2, float fill) {
+  float inner = lensDistort(nearest, k1, k2);
+  float outer = lensDistort(farthest, k1, k2);
+  float along = leastOver(inner * inner, outer * outer, float(3) * k1, float(5) * k2) / fill;
+  float across = leastOver(inner * inner, outer * outer, k1, k2) / fill;
+  float pressed = max(along, kLevelOne) * max(across, kLevelOne);
+  return isFiniteNumber(pressed) ? kLevelOne / pressed : kLevelOne;
+}
+
+// Eq. 4.5 as printed: what a lens of k1 = 0.22, k2 = 0.24 leaves of lengths, d / n. A least-squares quintic through
+// the inverse of eq. 4.4, sampled evenly over distorted radii 0..1, has these coefficients before rounding; so n is
+// the undistorted radius, and its range is 0..1.46, not 0..1. Rounded it is off by at most 0.005 up to n = 0.9 (once
+// cut to 0..1) and by 0.015 at 1.46; past 2.2 it falls to nonsense. For accuracy studies.
 SHARED_FN float lensScaleAsPrinted(float n) {
   float scale = 5.4e-4 / n + 0.98 + n * (0.13 + n * (-0.56 + n * (0.32 - n * 0.06)));
   return clamp(scale, kLevelZero, kLevelOne);
 }
 
-// What a view's foveation and lens leave of the area that a patch asks for, as log2, at most 0. Both scales are
-// lengths, so areas take their squares; together they multiply.
+// What a view's foveation and lens leave of the area that a patch asks for, as log2, at most 0. Together they
+// multiply. Acuity scales lengths, so areas take its square.
 SHARED_FN float logAcuity(DensityGpu density, Cone cone) {
   float degrees = eccentricity(cone, vec3(density.gaze.x, density.gaze.y, density.gaze.z)) * kDegreesPerRadian;
   return -float(2) * log2(acuityScale(degrees, density.acuity.x, density.acuity.y, density.acuity.z));
 }
+// The undistorted radius at an angle from the axis, radians, cut at the corner's.
+SHARED_FN float tangentRadius(float angle, float perTangent, float corner) {
+  return angle < kHalfPi ? min(tan(angle) * perTangent, corner) : corner;
+}
 SHARED_FN float logLens(DensityGpu density, Cone cone) {
-  // Radii of a flat picture are tangents. (The thesis takes the angle's share of the field of view, which is up to 6 % less
-  // length at 60 degrees of height, 11 % at 90.)
-  float angle = min(eccentricity(cone, vec3(density.axis.x, density.axis.y, density.axis.z)), kSteepest);
-  return float(2) * log2(lensScale(tan(angle) * density.lens.z, density.lens.x, density.lens.y));
+  float middle = angleBetween(vec3(density.axis.x, density.axis.y, density.axis.z), cone.axis);
+  float corner = lensUndistort(kLevelOne, density.lens.x, density.lens.y);
+  float nearest = tangentRadius(max(middle - cone.angle, kLevelZero), density.lens.z, corner);
+  // The channel that the lens draws out least lies farthest out in its picture: fill / corner times as far.
+  float farthest = tangentRadius(middle + cone.angle, density.lens.z, corner) * density.lens.w / corner;
+  return log2(lensShare(nearest, farthest, density.lens.x, density.lens.y, density.lens.w));
 }
 
 TESSERA_SHARED_END

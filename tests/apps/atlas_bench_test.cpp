@@ -123,6 +123,7 @@ TEST_F(AtlasBench, SaysAtOnceWhatCannotBeRecorded) {
   expectRefused(bench + "a/atrium.glb b/atrium.glb --record to",
                 "a/atrium.glb and b/atrium.glb would both be saved as to/atrium.trs");
   expectRefused(bench + "other.glb --record precious/below.trs", "--record precious");
+  expectRefused(bench + "other.glb --record ./other.glb", "./other.glb is one of the scenes");
   expectRefused(bench + "other.glb --record taken", "taken/other.trs: is a folder");
   // None of these has begun to load a scene.
   EXPECT_EQ(slurp(folder_ / "err.txt").find("geometry"), std::string::npos);

@@ -175,17 +175,17 @@ TEST(Acuity, BothFactorsMultiply) {
   View view = lookAt({0, 0, 0}, {0, 0, -1}, 60.0, 1920, 1080, 0.1);
   PlaceOptions options{Foveation{{0.5, 0.5}}, Lens{}};
   const glsl::DensityGpu density = densityGpu(view, options);
-  // A speck 30 degrees right of the centre.
-  const double a = 30.0 / kDegrees;
+  // A speck 38 degrees right of the centre.
+  const double a = 38.0 / kDegrees;
   const glm::vec3 p(std::sin(a), 0.0, -std::cos(a));
   const glsl::Cone cone = coneOf({p, p * 1.001f, p * 1.002f}, 1);
-  EXPECT_NEAR(glsl::logAcuity(density, cone), -2.0 * std::log2(6.1275), 1e-4);
-  // The picture's half height is tan 30 from its centre, where the speck is as well: 1 / hypot(1, 16/9) of the
-  // way to a corner, which has lensFill.
-  const double n = 1.46 * 1.014 / std::hypot(1.0, 16.0 / 9.0);
+  EXPECT_NEAR(glsl::logAcuity(density, cone), -2.0 * std::log2(7.7115), 1e-4);  // (0.836 + 0.0208333) * 9
+  // The corner's tangent is tan 30 * hypot(1, 16/9), and the undistorted radius there 1.46.
+  const double n = 1.46 * std::tan(a) / (std::tan(30.0 / kDegrees) * std::hypot(1.0, 16.0 / 9.0));
   double d = n;
   for (int i = 0; i < 200; ++i) d = n / (1.0 + 0.22 * d * d + 0.24 * d * d * d * d) * 0.5 + d * 0.5;
-  EXPECT_NEAR(glsl::logLens(density, cone), 2.0 * std::log2(d / n), 1e-4);
+  const double slope = 1.0 + 0.66 * d * d + 1.2 * d * d * d * d;
+  EXPECT_NEAR(glsl::logLens(density, cone), std::log2(1.46 * 1.014 / 0.996 / slope), 1e-4);
   // In the middle neither takes anything.
   const glm::vec3 ahead(0, 0, -1);
   const glsl::Cone middle = coneOf({ahead, ahead * 1.1f, ahead * 1.2f}, 1);
@@ -290,7 +290,7 @@ TEST(LensFormula, ThePrintedPolynomialIsTheRoundedInverse) {
   for (int i = 1; i <= 1460; ++i) {
     const float n = static_cast<float>(i) / 1000.0f;
     const double error = std::abs(static_cast<double>(glsl::lensScaleAsPrinted(n)) -
-                                  static_cast<double>(glsl::lensScale(n, 0.22f, 0.24f)));
+                                  static_cast<double>(glsl::lensDistort(n, 0.22f, 0.24f) / n));
     (i <= 900 ? within : overRange) = std::max(i <= 900 ? within : overRange, error);
   }
   EXPECT_LT(within, 0.005);
@@ -301,19 +301,89 @@ TEST(LensFormula, ThePrintedPolynomialIsTheRoundedInverse) {
   EXPECT_NEAR(glsl::lensScaleAsPrinted(1.0f), 0.81054, 1e-6);
 }
 
-TEST(LensFormula, ScaleIsNeverBelowTheDisplaysOverTheMiddles) {
-  // Along the radius the display has 1 / slope of the undistorted picture's length, times what the middle has.
-  for (int i = 1; i <= 100; ++i) {
-    const float d = static_cast<float>(i) / 100.0f;
-    const float n = glsl::lensUndistort(d, 0.22f, 0.24f);
-    const float scale = glsl::lensScale(n, 0.22f, 0.24f);
-    EXPECT_NEAR(scale, d / n, 1e-6f);
-    EXPECT_GE(scale, 1.0f / glsl::lensSlope(d, 0.22f, 0.24f));
-  }
-  EXPECT_EQ(glsl::lensScale(0.0f, 0.22f, 0.24f), 1.0f);
-  EXPECT_EQ(glsl::lensScale(0.5f, -0.2f, 0.05f), 1.0f)
-      << "a pincushion enlarges; texels past the picture's are lost";
-  EXPECT_NEAR(glsl::lensScale(50.0f, 0.22f, 0.24f), 1.0 / 1.46, 1e-6) << "past the corner as at the corner";
+/// Pixels of the picture that meet in an output pixel, along the output's radius and across it, at output
+/// place `at` (pixels from the centre), for a channel: by differences of the documented mapping of Lens.
+glm::dvec2 pressedAt(const Lens& lens, const View& view, const glm::dvec2& at, int channel) {
+  const double half = 0.5 * std::hypot(view.width, view.height);
+  const auto from = [&](const glm::dvec2& place) {
+    const double d2 = glm::dot(place, place) / (half * half);
+    return place * (lens.channelScale[channel] * (1.0 + lens.k1 * d2 + lens.k2 * d2 * d2) / lensFill(lens));
+  };
+  const glm::dvec2 outward = glm::normalize(at);
+  const glm::dvec2 around(-outward.y, outward.x);
+  const auto reach = [&](const glm::dvec2& step) { return glm::length(from(at + step) - from(at - step)); };
+  return {reach(outward * 0.5), reach(around * 0.5)};
+}
+
+TEST(LensFormula, NoPatchGetsLessThanDisplayShowsOfIt) {
+  Random random;
+  for (const glm::dvec2 k : kLenses)
+    for (const bool fringed : {false, true})
+      for (const double fovY : {40.0, 75.0, 100.0}) {
+        Lens lens;
+        lens.k1 = k.x;
+        lens.k2 = k.y;
+        lens.channelScale = fringed ? glm::dvec3(0.97, 1.0, 1.03) : glm::dvec3(1.0);
+        const View view = lookAt({0, 0, 0}, {0, 0, -1}, fovY, 960, 540, 0.1);
+        const glsl::DensityGpu density = densityGpu(view, {{}, lens});
+        double excess = 0.0;
+        int counted = 0;
+        for (int i = 0; i < 400; ++i) {
+          // A pair of the size of some pixels to a quarter of the picture, anywhere on it.
+          const glm::dvec2 place(random.unit() * view.width, random.unit() * view.height);
+          const double size = std::exp2(2.0 + 6.0 * random.unit());
+          const auto onPicture = [&](double x, double y) {
+            return glm::vec3(pixelToRay(view) * glm::dvec3(1.0, place.x + x * size, place.y + y * size));
+          };
+          const Corners v = {onPicture(0, 0), onPicture(1, 0), onPicture(1, 1), onPicture(0, 1)};
+          const double share = std::exp2(static_cast<double>(glsl::logLens(density, coneOf(v, 2))));
+          double shown = 0.0;
+          const double half = 0.5 * std::hypot(view.width, view.height);
+          for (int channel = 0; channel < 3; ++channel)
+            for (int y = 0; y <= 8; ++y)
+              for (int x = 0; x <= 8; ++x) {
+                const glm::dvec2 from =
+                    place + glm::dvec2(x, y) * (size / 8.0) - 0.5 * glm::dvec2(view.width, view.height);
+                const double n = glm::length(from) / half * lensFill(lens) / lens.channelScale[channel];
+                // What lies outside of the picture, or of the output's corners, is not shown.
+                if (std::abs(from.x) > 0.5 * view.width || std::abs(from.y) > 0.5 * view.height) continue;
+                const auto n32 = static_cast<float>(n);
+                const auto k1 = static_cast<float>(k.x);
+                const auto k2 = static_cast<float>(k.y);
+                if (n < 1e-3 || n > 1.0 + k.x + k.y) continue;
+                const glm::dvec2 at =
+                    glm::normalize(from) * (half * static_cast<double>(glsl::lensDistort(n32, k1, k2)));
+                const glm::dvec2 pressed = glm::max(pressedAt(lens, view, at, channel), glm::dvec2(1.0));
+                shown = std::max(shown, 1.0 / (pressed.x * pressed.y));
+              }
+          if (shown == 0.0) continue;
+          ASSERT_GE(share, shown * 0.9999) << "k " << k.x << ", " << k.y << ", fov " << fovY << ", patch of "
+                                           << size << " pixels at " << place.x << ", " << place.y;
+          if (fringed || size > 16.0) continue;
+          excess += share / shown;
+          ++counted;
+        }
+        // Nor much more: small patches get what they show, but for what the channels differ by.
+        if (!fringed) {
+          EXPECT_GT(counted, 80);
+          EXPECT_LT(excess / counted, 1.04) << "k " << k.x << ", " << k.y << ", fov " << fovY;
+        }
+      }
+}
+
+TEST(LensFormula, ShareByHand) {
+  const auto share = [](float nearest, float farthest, float fill) {
+    return static_cast<double>(glsl::lensShare(nearest, farthest, 0.22f, 0.24f, fill));
+  };
+  // At d = 1 the slope is 1 + 0.66 + 1.2 and the ratio of radii 1.46; at the centre both are 1.
+  EXPECT_NEAR(share(1.46f, 1.46f, 1.46f), 1.46 / 2.86, 1e-6);
+  EXPECT_NEAR(share(1.46f, 1.46f, 1.0f), 1.0 / (2.86 * 1.46), 1e-6);
+  EXPECT_EQ(share(0.0f, 1.46f, 1.46f), 1.0) << "a patch that reaches the centre is seen as it is there";
+  EXPECT_NEAR(share(50.0f, 60.0f, 1.46f), 1.46 / 2.86, 1e-6) << "past the corner as at the corner";
+  // 1 - 1.2 q + q^2 is least inside, at q = 0.6: 0.64.
+  EXPECT_NEAR(glsl::leastOver(0.0f, 1.0f, -1.2f, 1.0f), 0.64, 1e-6);
+  EXPECT_NEAR(glsl::leastOver(0.7f, 1.0f, -1.2f, 1.0f), 0.65, 1e-6);
+  EXPECT_NEAR(glsl::leastOver(0.0f, 1.0f, -0.6f, -0.2f), 0.2, 1e-6);
 }
 
 }  // namespace

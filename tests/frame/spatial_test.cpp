@@ -237,10 +237,12 @@ double sampleLinear(const Image& image, double x, double y, int channel) {
          (at(x0, y0 + 1) * (1 - s) + at(x0 + 1, y0 + 1) * s) * t;
 }
 
-/// What an output pixel shows, as a mean over 16 x 16 places in it; nothing where the picture's border runs
-/// through the pixel, which few taps cannot tell.
-std::optional<double> expectedPixel(const Image& image, const Lens& lens, int x, int y, int channel) {
-  const double half = 0.5 * std::hypot(image.width, image.height);
+/// What an output pixel of `size` shows of a picture, as large or larger, as a mean over 16 x 16 places in
+/// it; nothing where the picture's border runs through the pixel, which few taps cannot tell.
+std::optional<double> expectedPixel(const Image& image, const Lens& lens, int x, int y, int channel,
+                                    glm::dvec2 size = {kWidth, kHeight}) {
+  const double half = 0.5 * std::hypot(size.x, size.y);
+  const double larger = image.width / size.x;
   const double scale = lens.channelScale[channel == 3 ? 1 : channel];
   const double fill =
       (1.0 + lens.k1 + lens.k2) * std::max({lens.channelScale.x, lens.channelScale.y, lens.channelScale.z});
@@ -249,12 +251,12 @@ std::optional<double> expectedPixel(const Image& image, const Lens& lens, int x,
   constexpr int kPlaces = 16;
   for (int j = 0; j < kPlaces; ++j)
     for (int i = 0; i < kPlaces; ++i) {
-      const double px = x + (i + 0.5) / kPlaces - 0.5 * image.width;
-      const double py = y + (j + 0.5) / kPlaces - 0.5 * image.height;
+      const double px = x + (i + 0.5) / kPlaces - 0.5 * size.x;
+      const double py = y + (j + 0.5) / kPlaces - 0.5 * size.y;
       const double d2 = (px * px + py * py) / (half * half);
       const double ratio = scale * (1.0 + lens.k1 * d2 + lens.k2 * d2 * d2) / fill;
-      const double fromX = 0.5 * image.width + px * ratio;
-      const double fromY = 0.5 * image.height + py * ratio;
+      const double fromX = larger * (0.5 * size.x + px * ratio);
+      const double fromY = larger * (0.5 * size.y + py * ratio);
       inside += fromX >= 0.0 && fromY >= 0.0 && fromX <= image.width && fromY <= image.height ? 1 : 0;
       sum += sampleLinear(image, fromX, fromY, channel);
     }
@@ -325,6 +327,71 @@ TEST_F(Spatial, PressedPartsAreFiltered) {
     }
   std::printf("pressed parts: mean error %.2f of 255\n", sum / count);
   EXPECT_LT(sum / count, 1.0);  // 1.6 with one tap
+}
+
+// Fine checkers through the lens, from an atlas that has fewer texels for it, against forward with 16 samples
+// for each pixel of the picture, seen through the same lens: the texels that were left out are not missed,
+// from the centre to the corners.
+TEST_F(Spatial, TexelsThatTheLensLeavesOutAreNotMissed) {
+  auto engine = make(wallScene(400), true);
+  ASSERT_TRUE(engine);
+  const View view = wallView();
+  View large = view;
+  large.width *= 4;
+  large.height *= 4;
+  engine->forward(large);
+  const Image truth = engine->readColor();
+  const Lens lens{0.5, 0.5, {1.0, 1.0, 1.0}};
+  std::vector<std::optional<double>> expected;
+  for (int y = 0; y < kHeight; y += 2)
+    for (int x = 0; x < kWidth; x += 2) expected.push_back(expectedPixel(truth, lens, x, y, 1));
+  constexpr std::size_t kRings = 4;
+  struct Shown {
+    std::array<double, kRings> error{};
+    std::uint64_t texels = 0;
+  };
+  const auto shownWith = [&](const PlaceOptions& options, float fewer) {
+    Shown shown;
+    std::array<int, kRings> count{};
+    RectMemoryOptions memory;
+    memory.width = memory.height = 1024;
+    memory.pressureBias = false;
+    memory.bias = fewer;
+    EXPECT_TRUE(engine->remakeAtlas(memory));
+    levelsOf(*engine, {&view, 1}, options);
+    engine->shade(view);
+    engine->display(view);
+    EXPECT_TRUE(engine->distort(lens));
+    const Image bent = engine->readColor();
+    std::size_t place = 0;
+    for (int y = 0; y < kHeight; y += 2)
+      for (int x = 0; x < kWidth; x += 2) {
+        const auto& wanted = expected[place++];
+        if (!wanted) continue;
+        const double radius = std::hypot(x + 0.5 - kWidth / 2, y + 0.5 - kHeight / 2);
+        const auto ring = static_cast<std::size_t>(kRings * radius / std::hypot(kWidth / 2, kHeight / 2));
+        shown.error[ring] += std::abs(encodedOf(*wanted) - bent.at(x, y)[1]);
+        ++count[ring];
+      }
+    for (std::size_t ring = 0; ring < kRings; ++ring) shown.error[ring] /= count[ring];
+    shown.texels = engine->atlas()->memory().readStatistics().samples;
+    return shown;
+  };
+  const Shown all = shownWith({}, 0.0f);
+  const Shown lensed = shownWith({.lens = lens}, 0.0f);
+  const Shown fewer = shownWith({}, static_cast<float>(std::log2(static_cast<double>(all.texels) /
+                                                                 static_cast<double>(lensed.texels))));
+  std::printf("texels %llu, with the lens %llu, everywhere fewer %llu\n",
+              static_cast<unsigned long long>(all.texels), static_cast<unsigned long long>(lensed.texels),
+              static_cast<unsigned long long>(fewer.texels));
+  EXPECT_LT(lensed.texels, all.texels * 9 / 10);
+  for (std::size_t ring = 0; ring < kRings; ++ring) {
+    std::printf("ring %zu: error %.2f, with the lens %.2f, everywhere fewer %.2f of 255\n", ring,
+                all.error[ring], lensed.error[ring], fewer.error[ring]);
+    // By levels that fall where nothing is pressed, or by (d / n)^2, rings lose 3 % and more.
+    EXPECT_LT(lensed.error[ring], 1.02 * all.error[ring]) << "ring " << ring;
+  }
+  EXPECT_GT(fewer.error[2], 1.04 * all.error[2]) << "checkers that a tenth fewer texels show as well";
 }
 
 TEST_F(Spatial, WithoutALensEveryPixelStays) {

@@ -40,12 +40,12 @@ Scene boards() {
   return scene;
 }
 
-std::unique_ptr<Engine> make(bool deferred) {
+std::unique_ptr<Engine> make(bool layers) {
   EngineOptions options;
   options.atlas.memory.width = options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
-  // Deferred display reads the ids of one view, so its plan has a pass a view.
-  options.request.displayDeferred = deferred;
+  options.request.displayDeferred = true;
+  options.idLayers = layers;
   auto engine = Engine::create(test::context(), boards(), {}, options);
   if (!engine) {
     ADD_FAILURE() << engine.error().message;
@@ -79,8 +79,8 @@ bool compiledLayers(const Engine& engine) {
 }
 
 TEST_F(VisibleViews, OnePassSeesWhatOnePassAViewSees) {
-  auto together = make(false);
-  auto apart = make(true);
+  auto together = make(true);
+  auto apart = make(false);
   ASSERT_TRUE(together && apart);
   for (const int count : {1, 2, 3, 8}) {
     const auto views = eyes(count);
@@ -96,7 +96,7 @@ TEST_F(VisibleViews, OnePassSeesWhatOnePassAViewSees) {
 }
 
 TEST_F(VisibleViews, OneViewAfterSeveralIsItsOwn) {
-  auto engine = make(false);
+  auto engine = make(true);
   ASSERT_TRUE(engine);
   const auto views = eyes(3);
   const auto alone = seenBy(*engine, {views.data(), 1});
@@ -108,6 +108,31 @@ TEST_F(VisibleViews, OneViewAfterSeveralIsItsOwn) {
   seenBy(*engine, views);
   engine->rect(views[0]);
   EXPECT_EQ(engine->readColor().pixels, before.pixels);
+}
+
+TEST_F(VisibleViews, IdsOfTheLastViewAreShown) {
+  auto together = make(true);
+  auto apart = make(false);
+  ASSERT_TRUE(together && apart);
+  const auto views = eyes(3);
+  std::vector<Image> shown;
+  for (Engine* engine : {together.get(), apart.get()}) {
+    engine->findVisible(views);
+    ASSERT_TRUE(engine->place(views));
+    engine->shade(views[1]);
+    engine->display(views[2], DisplayMode::Deferred);
+    shown.push_back(engine->readColor());
+    auto ids = engine->debugView(DebugView::Ids, views[2]);
+    ASSERT_TRUE(ids) << ids.error().message;
+    shown.push_back(*ids);
+  }
+  EXPECT_EQ(shown[0].pixels, shown[2].pixels);
+  EXPECT_EQ(shown[1].pixels, shown[3].pixels);
+  // Not the first view's, nor empty.
+  together->findVisible({views.data(), 1});
+  auto first = together->debugView(DebugView::Ids, views[0]);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_NE(first->pixels, shown[1].pixels);
 }
 
 }  // namespace

@@ -49,7 +49,8 @@ std::vector<std::string> permutationsOf(const std::string& path) {
     for (const std::string& defines : surface) all.push_back(defines + " GATHER");
   } else if (path == "pass/depth.vert") {
     for (const std::string& defines : depth)
-      for (const char* more : {"", " WRITE_ID", " WRITE_ID LAYERS", " SHADOW_LAYER"}) all.push_back(defines + more);
+      for (const char* more : {"", " WRITE_ID", " WRITE_ID LAYERS", " SHADOW_LAYER"})
+        all.push_back(defines + more);
   } else if (path == "pass/depth.frag" || path == "pass/id.frag" || path == "pass/display.vert" ||
              path == "pass/display.frag" || path == "pass/tess_display.vert" ||
              path == "pass/tess_display.frag") {

@@ -189,6 +189,7 @@ Report workReport() {
   add("rect-stereo:lens", "forward-stereo", 2, 6000, kNotMeasured);
   add("rect:foveate", "forward", 1, 200, kNotMeasured);
   scene.methods.back().mssimAcuity = 0.987;
+  scene.methods[2].mssimViews = {0.6, 0.52};
   report.scenes = {scene, scene};
   report.scenes[1].file = "b.glb";
   report.scenes[1].methods.pop_back();
@@ -217,6 +218,25 @@ TEST(ReportWork, IsGivenAgainstPixelsAndForward) {
   alone.reference = "nobody";
   EXPECT_TRUE(std::isnan(shadedAgainstReference(scene, alone)));
   EXPECT_EQ(referenceOf(scene, alone), nullptr);
+  EXPECT_EQ(mssimOfRightEye(stereo), 0.52);
+  EXPECT_TRUE(std::isnan(mssimOfRightEye(foveated)));
+}
+
+TEST(ReportWork, PassesAreSharesOfTheFrame) {
+  Report report = bareReport("a.glb");
+  ReportMethod& m = report.scenes[0].methods[0];
+  const auto over = [](const std::vector<double>& ms) { return summarize(ms); };
+  m.frameMs = over({190.0, 200.0, 500.0});
+  m.passes = {{"levels", over({3.0})}, {"memory", over({1.0, 5.0, 90.0})}};
+  EXPECT_DOUBLE_EQ(passShare(m, "levels"), 0.015);
+  EXPECT_DOUBLE_EQ(passShare(m, "memory"), 0.025);
+  EXPECT_TRUE(std::isnan(passShare(m, "emit")));
+  const Json json = Json::parse(toJson(report))["scenes"][0]["methods"][0];
+  EXPECT_EQ(json["levels_share"], 0.015);
+  EXPECT_EQ(json["memory_share"], 0.025);
+  const std::string html = toHtml(report);
+  EXPECT_EQ(rowOf(html, 0, "Level selection"), Cells{"1.50 %"});
+  EXPECT_EQ(rowOf(html, 0, "Memory"), Cells{"2.50 %"});
 }
 
 TEST(ReportWork, FiguresHoldTheBarsThatAreThere) {
@@ -235,6 +255,7 @@ TEST(ReportWork, FiguresHoldTheBarsThatAreThere) {
   EXPECT_EQ(bar["shaded_per_picture_pixel"], 0.6);
   EXPECT_EQ(bar["shaded_against_reference"], 0.375);
   EXPECT_EQ(bar["mssim"], 0.5 + 1e-5 * 6000);
+  EXPECT_EQ(bar["mssim_right_eye"], 0.52);
   EXPECT_TRUE(bar["mssim_acuity"].is_null());
   EXPECT_EQ(figure["scenes"][0]["bars"][1]["mssim_acuity"], 0.987);
 
@@ -243,12 +264,16 @@ TEST(ReportWork, FiguresHoldTheBarsThatAreThere) {
   EXPECT_EQ(count(html, "<h2>Figure 4.7: Stereo &amp; &lt;lens&gt;</h2>"), 1U);
   EXPECT_EQ(count(html,
                   "Lens <small>rect-stereo:lens</small></th><td>120.0 %</td><td>60.0 %</td><td>37.5 %</td>"
-                  "<td>360.0 %</td><td>0.5600</td><td>–</td>"),
+                  "<td>360.0 %</td><td>0.5600</td><td>0.5200</td><td>–</td>"),
             2U)
       << "in both scenes";
   EXPECT_EQ(count(html, "Eye <small>rect:foveate</small></th><td>4.0 %</td><td>4.0 %</td><td>2.5 %</td>"),
             1U);
   EXPECT_EQ(count(html, "Nobody"), 0U);
+  EXPECT_EQ(
+      count(html, "<th scope=\"col\">MSSIM, mean of both eyes</th><th scope=\"col\">of the right eye</th>"),
+      1U);
+  EXPECT_EQ(count(html, "<th scope=\"rowgroup\" colspan=\"8\">"), 2U);
 }
 
 TEST(ReportJson, NamesThatAreNotUtf8) {

@@ -22,14 +22,18 @@ void printSummary(const ReportScene& scene) {
   const auto cell = [](double value, int decimals) {
     return std::isnan(value) ? std::string("-") : fmt::format("{:.{}f}", value, decimals);
   };
-  fmt::print("  {:<{}} {:>7} {:>9} {:>7} {:>11} {:>10} {:>11} {:>10} {:>10} {:>6}\n", "method", widest,
-             "MSSIM", "by acuity", "PSNR dB", "FLIP", "samples", "of a pic.", "of forward", "frame ms",
-             "holes");
+  const auto share = [&](double value) { return cell(100.0 * value, 2); };
+  fmt::print("  {:<{}} {:>7} {:>9} {:>9} {:>7} {:>11} {:>10} {:>11} {:>10} {:>10} {:>8} {:>8} {:>6}\n",
+             "method", widest, "MSSIM", "right eye", "by acuity", "PSNR dB", "FLIP", "samples", "of a pic.",
+             "of forward", "frame ms", "levels %", "memory %", "holes");
   for (const ReportMethod& m : scene.methods)
-    fmt::print("  {:<{}} {:>7} {:>9} {:>7} {:>11} {:>10.0f} {:>9.1f} % {:>8.1f} % {:>10.1f} {:>6.0f}\n",
-               m.name, widest, cell(m.mssim, 4), cell(m.mssimAcuity, 4), cell(m.psnrDb, 2), cell(m.flip, 4),
-               shadedSamples(m), 100.0 * shadedPerTargetPixel(scene, m),
-               100.0 * shadedAgainstReference(scene, m), m.frameMs.median, m.holes);
+    fmt::print(
+        "  {:<{}} {:>7} {:>9} {:>9} {:>7} {:>11} {:>10.0f} {:>9.1f} % {:>8.1f} % {:>10.1f} {:>8} {:>8} "
+        "{:>6.0f}\n",
+        m.name, widest, cell(m.mssim, 4), cell(mssimOfRightEye(m), 4), cell(m.mssimAcuity, 4),
+        cell(m.psnrDb, 2), cell(m.flip, 4), shadedSamples(m), 100.0 * shadedPerTargetPixel(scene, m),
+        100.0 * shadedAgainstReference(scene, m), m.frameMs.median, share(passShare(m, "levels")),
+        share(passShare(m, "memory")), m.holes);
 }
 
 /// The methods asked for and those of the figures, each once, what others are compared with first.

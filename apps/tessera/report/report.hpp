@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/measure/statistics.hpp"
@@ -127,6 +128,11 @@ double shadedPerTargetPixel(const ReportScene& scene, const ReportMethod& method
 double shadedPerPicturePixel(const ReportScene& scene, const ReportMethod& method);
 /// Samples against those of the method's reference; not a number without one.
 double shadedAgainstReference(const ReportScene& scene, const ReportMethod& method);
+/// A pass' share of the frame, of medians; not a number where the method has no such pass. "levels" and
+/// "memory", which is request, provision, assign, plan and merge, are what managing the atlas takes.
+double passShare(const ReportMethod& method, std::string_view pass);
+/// MSSIM of the right eye alone, the one that warping makes; not a number but of a pair.
+double mssimOfRightEye(const ReportMethod& method);
 /// The method that this one is compared with; null if the scene has none of that name.
 const ReportMethod* referenceOf(const ReportScene& scene, const ReportMethod& method);
 

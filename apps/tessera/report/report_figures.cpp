@@ -19,14 +19,32 @@ const ReportMethod* methodOf(const ReportScene& scene, const ReportBar& bar) {
   return found == scene.methods.end() ? nullptr : &*found;
 }
 
-std::string row(const ReportScene& scene, const ReportBar& bar, const ReportMethod& method, bool foveated) {
+/// Columns that only some figures need: those for which a bar has a number.
+struct Extra {
+  bool pairs = false;
+  bool foveated = false;
+};
+
+Extra extraOf(const Report& report, const ReportFigure& figure) {
+  Extra extra;
+  for (const ReportScene& scene : report.scenes)
+    for (const ReportBar& bar : figure.bars)
+      if (const ReportMethod* method = methodOf(scene, bar)) {
+        extra.pairs = extra.pairs || !std::isnan(mssimOfRightEye(*method));
+        extra.foveated = extra.foveated || !std::isnan(method->mssimAcuity);
+      }
+  return extra;
+}
+
+std::string row(const ReportScene& scene, const ReportBar& bar, const ReportMethod& method, Extra extra) {
   std::string cells = fmt::format(
       "<th scope=\"row\">{} <small>{}</small></th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
       escapeHtml(bar.label), escapeHtml(bar.method), formatShare(shadedPerTargetPixel(scene, method)),
       formatShare(shadedPerPicturePixel(scene, method)), formatShare(shadedAgainstReference(scene, method)),
       formatShare(method.invocations / (static_cast<double>(scene.width) * scene.height)),
       formatFixed(method.mssim, 4));
-  if (foveated) cells += fmt::format("<td>{}</td>", formatFixed(method.mssimAcuity, 4));
+  if (extra.pairs) cells += fmt::format("<td>{}</td>", formatFixed(mssimOfRightEye(method), 4));
+  if (extra.foveated) cells += fmt::format("<td>{}</td>", formatFixed(method.mssimAcuity, 4));
   return "<tr>" + cells + "</tr>\n";
 }
 
@@ -45,6 +63,7 @@ Json figureJson(const Report& report, const ReportFigure& figure) {
                       {"shaded_per_picture_pixel", number(shadedPerPicturePixel(scene, *method))},
                       {"shaded_against_reference", number(shadedAgainstReference(scene, *method))},
                       {"mssim", number(method->mssim)},
+                      {"mssim_right_eye", number(mssimOfRightEye(*method))},
                       {"mssim_acuity", number(method->mssimAcuity)}});
     }
     scenes.push_back({{"file", scene.file}, {"bars", std::move(bars)}});
@@ -55,12 +74,7 @@ Json figureJson(const Report& report, const ReportFigure& figure) {
 
 std::string figureSection(const Report& report, std::size_t index) {
   const ReportFigure& figure = report.figures[index];
-  bool foveated = false;
-  for (const ReportScene& scene : report.scenes)
-    for (const ReportBar& bar : figure.bars) {
-      const ReportMethod* method = methodOf(scene, bar);
-      foveated = foveated || (method != nullptr && !std::isnan(method->mssimAcuity));
-    }
+  const Extra extra = extraOf(report, figure);
   std::string out = fmt::format(
       "<section class=\"figure\" id=\"figure-{0}\" data-figure=\"{0}\">\n<h2>Figure {1}: {2}</h2>\n"
       "<p class=\"facts\">{3}</p>\n<div class=\"charts\"></div>\n<div class=\"scroll\"><table "
@@ -68,17 +82,18 @@ std::string figureSection(const Report& report, std::size_t index) {
       "of a "
       "picture's pixels</th><th scope=\"col\">of all pictures' pixels</th><th scope=\"col\">of forward's "
       "samples</th><th scope=\"col\">Invocations as GL counts them, of a picture's pixels</th><th "
-      "scope=\"col\">MSSIM</th>{4}</tr></thead>\n",
+      "scope=\"col\">{4}</th>{5}</tr></thead>\n",
       index, escapeHtml(figure.id), escapeHtml(figure.title), escapeHtml(figure.text),
-      foveated ? "<th scope=\"col\">MSSIM by acuity</th>" : "");
+      extra.pairs ? "MSSIM, mean of both eyes</th><th scope=\"col\">of the right eye" : "MSSIM",
+      extra.foveated ? "<th scope=\"col\">MSSIM by acuity</th>" : "");
   for (std::size_t s = 0; s < report.scenes.size(); ++s) {
     const ReportScene& scene = report.scenes[s];
     out += fmt::format(
         "<tbody><tr class=\"group\"><th scope=\"rowgroup\" colspan=\"{}\"><a "
         "href=\"#scene-{}\">{}</a></th></tr>\n",
-        foveated ? 7 : 6, s, escapeHtml(scene.file));
+        6 + static_cast<int>(extra.pairs) + static_cast<int>(extra.foveated), s, escapeHtml(scene.file));
     for (const ReportBar& bar : figure.bars)
-      if (const ReportMethod* method = methodOf(scene, bar)) out += row(scene, bar, *method, foveated);
+      if (const ReportMethod* method = methodOf(scene, bar)) out += row(scene, bar, *method, extra);
     out += "</tbody>\n";
   }
   return out + "</table></div>\n</section>\n";

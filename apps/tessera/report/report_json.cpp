@@ -57,6 +57,8 @@ Json methodJson(const ReportScene& scene, const ReportMethod& m) {
           {"resets", number(m.resets)},
           {"holes", number(m.holes)},
           {"non_finite_texels", number(m.nonFiniteTexels)},
+          {"levels_share", number(passShare(m, "levels"))},
+          {"memory_share", number(passShare(m, "memory"))},
           {"passes", std::move(passes)},
           {"frame_ms", timingJson(m.frameMs)},
           {"gather_ms", timingJson(m.gatherMs)},

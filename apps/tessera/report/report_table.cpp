@@ -169,6 +169,10 @@ std::string methodTable(const ReportScene& scene) {
                 countRow("Visible triangles", "", &ReportMethod::visibleTriangles)});
   out += group(scene, "Atlas",
                {countRow("Texels used", "per frame", &ReportMethod::atlasTexelsUsed),
+                {"Level selection", "of the frame",
+                 [](const ReportMethod& m) { return formatShare(passShare(m, "levels"), 2); }},
+                {"Memory", "request, provision, assign, plan, merge; of the frame",
+                 [](const ReportMethod& m) { return formatShare(passShare(m, "memory"), 2); }},
                 countRow("Out of memory", "patches, all frames", &ReportMethod::outOfMemory),
                 countRow("Resets", "all frames", &ReportMethod::resets),
                 countRow("Non-finite texels", "all frames", &ReportMethod::nonFiniteTexels)});

@@ -22,6 +22,16 @@ double shadedAgainstReference(const ReportScene& scene, const ReportMethod& meth
   return reference == nullptr ? kNotMeasured : shadedSamples(method) / shadedSamples(*reference);
 }
 
+double passShare(const ReportMethod& method, std::string_view pass) {
+  const auto found = std::find_if(method.passes.begin(), method.passes.end(),
+                                  [&](const ReportPass& other) { return other.name == pass; });
+  return found == method.passes.end() ? kNotMeasured : found->ms.median / method.frameMs.median;
+}
+
+double mssimOfRightEye(const ReportMethod& method) {
+  return method.mssimViews.size() == 2 ? method.mssimViews[1] : kNotMeasured;
+}
+
 const ReportMethod* referenceOf(const ReportScene& scene, const ReportMethod& method) {
   const auto found = std::find_if(scene.methods.begin(), scene.methods.end(),
                                   [&](const ReportMethod& other) { return other.name == method.reference; });

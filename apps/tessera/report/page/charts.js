@@ -109,6 +109,7 @@ function drawFigure(parent, figure) {
   return [
     barChart(parent, 'Samples shaded', 'of the pixels of one picture', figure, 'shaded_per_target_pixel', true),
     barChart(parent, 'MSSIM against forward', '1 is equal', figure, 'mssim', false),
+    barChart(parent, 'MSSIM of the right eye alone', '1 is equal', figure, 'mssim_right_eye', false),
     barChart(parent, 'MSSIM by acuity', '1 is equal', figure, 'mssim_acuity', false),
   ].filter(chart => chart !== null);
 }

@@ -329,7 +329,7 @@ TEST_F(TessFrame, FoveationAndLensTakeSamplesAndLeaveNoHoles) {
   const double foveated = samples({.foveation = sharpInTheMiddle});
   const double bent = samples({.lens = Lens{}});
   EXPECT_LT(foveated, 0.6 * plain);
-  EXPECT_LT(bent, 0.9 * plain);
+  EXPECT_LT(bent, 0.95 * plain) << "the lens presses only the wall's outer part together";
   EXPECT_LT(samples({.foveation = sharpInTheMiddle, .lens = Lens{}}), std::min(foveated, bent));
   EXPECT_EQ(samples({}), plain) << "something of them stayed on";
 }

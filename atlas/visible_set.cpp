@@ -6,20 +6,25 @@
 
 namespace tessera {
 
-Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, std::uint32_t patchInstances) {
+Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, VisibleElement element,
+                                      std::uint32_t capacity) {
   VisibleSet set;
-  auto mark = programs.get({"pass/visible_mark.comp"});
+  gl::Defines defines;
+  if (element == VisibleElement::Triangle) defines.emplace("TRIANGLES", "1");
+  auto mark = programs.get({"pass/visible_mark.comp"}, defines);
   if (!mark) return tl::unexpected(mark.error());
-  auto markLayers = programs.get({"pass/visible_mark.comp"}, {{"LAYERS", "1"}});
+  defines.emplace("LAYERS", "1");
+  auto markLayers = programs.get({"pass/visible_mark.comp"}, defines);
   if (!markLayers) return tl::unexpected(markLayers.error());
   auto finish = programs.get({"pass/visible_finish.comp"});
   if (!finish) return tl::unexpected(finish.error());
   set.mark_ = *mark;
   set.markLayers_ = *markLayers;
   set.finish_ = *finish;
-  set.capacity_ = patchInstances;
-  set.list_ = gl::Buffer((std::size_t{1} + patchInstances) * sizeof(std::uint32_t));
-  set.marks_ = gl::Buffer(std::size_t{patchInstances} * sizeof(std::uint32_t));
+  set.element_ = element;
+  set.capacity_ = capacity;
+  set.list_ = gl::Buffer((std::size_t{1} + capacity) * sizeof(std::uint32_t));
+  set.marks_ = gl::Buffer(std::size_t{capacity} * sizeof(std::uint32_t));
   set.dispatch_ = gl::Buffer(3 * sizeof(std::uint32_t));
   return set;
 }

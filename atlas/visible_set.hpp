@@ -1,4 +1,4 @@
-// The exact visible set of one view, or the union over several: a compact list of patch instances on the GPU.
+// The exact visible set of one view, or the union over several: a compact list on the GPU.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,16 @@
 
 namespace tessera {
 
-/// Visible patch instances of the current frame. begin(), add() once a view, finish(); nothing is read back.
+/// What the visible list has an entry for.
+enum class VisibleElement : std::uint8_t { Patch, Triangle };
+
+/// Visible elements of the current frame. begin(), add() once a view, finish(); nothing is read back.
 class VisibleSet {
  public:
-  static Result<VisibleSet> create(gl::ProgramCache& programs, std::uint32_t patchInstances);
+  /// Of patch instances, or of triangles: `capacity` of either (see triangleNumber in
+  /// glsl/shared/tess_atlas.h).
+  static Result<VisibleSet> create(gl::ProgramCache& programs, VisibleElement element,
+                                   std::uint32_t capacity);
 
   /// Starts a new frame's list.
   void begin();
@@ -26,6 +32,7 @@ class VisibleSet {
   [[nodiscard]] const gl::Buffer& dispatch() const { return dispatch_; }
   [[nodiscard]] std::uint32_t frame() const { return frame_; }
   [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
+  [[nodiscard]] VisibleElement element() const { return element_; }
   /// Blocking readback of the list, in the order of compaction.
   [[nodiscard]] std::vector<std::uint32_t> read() const;
 
@@ -36,6 +43,7 @@ class VisibleSet {
   const gl::Program* mark_ = nullptr;
   const gl::Program* markLayers_ = nullptr;
   const gl::Program* finish_ = nullptr;
+  VisibleElement element_ = VisibleElement::Patch;
   std::uint32_t capacity_ = 0;
   std::uint32_t frame_ = 0;
 };

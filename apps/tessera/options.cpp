@@ -89,6 +89,17 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       .add_option("--hysteresis", choice.hysteresis,
                   "how far past the border, in log2, a block's ideal size must be; -1: none")
       ->check(CLI::Range(-1.0, 2.0));
+  command
+      .add_option(
+          "--gather", choice.gather,
+          "how the tessellation gatherer spawns its samples: raster, tess, or compute-N by groups of N "
+          "threads (32, 64, 128, 256, 512)")
+      ->check(CLI::IsMember(
+          {"raster", "tess", "compute-32", "compute-64", "compute-128", "compute-256", "compute-512"}));
+  command
+      .add_option("--slanted", choice.slanted,
+                  "longest edge to height beyond which a triangle is oversampled by method tess")
+      ->check(CLI::Range(1.0, 1e6));
   command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
       ->check(CLI::IsMember({"srgb8", "rgba16f"}))
       ->capture_default_str();
@@ -174,7 +185,25 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
       std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
   memory.bias = static_cast<float>(choice.bias);
   memory.pressureBias = choice.pressureBias;
+  TessMemoryOptions& tess = options.tess.memory;
+  tess.width = memory.width;
+  tess.height = memory.height;
+  tess.bias = memory.bias;
+  tess.biasFloor = memory.biasFloor;
+  tess.pressureBias = memory.pressureBias;
+  if (!choice.gather.empty()) {
+    options.tess.spawn.gather = choice.gather == "raster" ? TessGather::Raster
+                                : choice.gather == "tess" ? TessGather::Tess
+                                                          : TessGather::Compute;
+    if (options.tess.spawn.gather == TessGather::Compute)
+      options.tess.spawn.group = std::atoi(choice.gather.c_str() + std::string_view("compute-").size());
+  }
+  if (choice.slanted > 0.0) tess.slanted = static_cast<float>(choice.slanted);
+  if (choice.sampling == Sampling::LPack) tess.slanted = TessMemoryOptions::kNoneSlanted;
+  if (choice.sampling == Sampling::Oversample) tess.slanted = TessMemoryOptions::kAllSlanted;
+  if (choice.sampling != Sampling::Rect) options.gatherer = GathererKind::Tess;
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
+  options.tess.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
 }

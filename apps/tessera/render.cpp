@@ -40,10 +40,16 @@ FrameRequest requestOf(const RenderOptions& options) {
   request.forward = options.method == "forward" || options.method == "forward-prepass";
   request.depthPrepass = options.method == "forward-prepass";
   request.rect = !request.forward || !options.view.empty();
-  request.displayGeometry = options.method != "rect-deferred";
-  request.displayDeferred = options.method == "rect-deferred";
+  request.displayDeferred = options.method.ends_with("-deferred");
+  request.displayGeometry = !request.displayDeferred;
   request.lens = options.spatial.lens.has_value();
   return request;
+}
+
+Sampling samplingOf(const std::string& method) {
+  if (method.starts_with("lpack")) return Sampling::LPack;
+  if (method.starts_with("oversample")) return Sampling::Oversample;
+  return method.starts_with("tess") ? Sampling::Tess : Sampling::Rect;
 }
 
 std::filesystem::path numbered(const std::filesystem::path& output, std::size_t frame, std::size_t frames) {
@@ -80,6 +86,20 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
     json["resets"] = stats.resets;
     json["bias"] = stats.bias;
   }
+  if (const TessAtlas* tess = engine.tess(); tess != nullptr && engine.visibleSet()->frame() > 0) {
+    const TessStatistics stats = tess->memory().readStatistics();
+    json["visible_triangles"] = stats.visible;
+    json["single_texels"] = stats.singles;
+    json["samples_allocated"] = stats.samples;
+    json["atlas_texels_used"] = stats.liveTexels;
+    json["cell_texels"] = stats.cellTexels;
+    json["free_texels"] = stats.freeTexels;
+    json["l_samples"] = stats.lSamples;
+    json["slanted_triangles"] = stats.slanted;
+    json["out_of_memory"] = stats.failures;
+    json["resets"] = stats.resets;
+    json["bias"] = stats.bias;
+  }
   return json;
 }
 
@@ -88,7 +108,9 @@ Result<void> render(const RenderOptions& options) {
   if (!size) return tl::unexpected(size.error());
   auto spatial = spatialOf(options.spatial);
   if (!spatial) return tl::unexpected(spatial.error());
-  auto engineSetup = engineOptions(options.atlas);
+  AtlasChoice atlas = options.atlas;
+  atlas.sampling = samplingOf(options.method);
+  auto engineSetup = engineOptions(atlas);
   if (!engineSetup) return tl::unexpected(engineSetup.error());
   auto stage = loadStageOf(options.stage);
   if (!stage) return tl::unexpected(stage.error());
@@ -166,8 +188,11 @@ Run addRender(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("render", "Draw a scene to PNG files");
   command.add_option("scene", options->scene, "glTF 2.0 file, .gltf or .glb")->required();
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
-  command.add_option("--method", options->method, "forward, forward-prepass, rect or rect-deferred")
-      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred"}))
+  command
+      .add_option("--method", options->method,
+                  "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
+      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred",
+                             "oversample", "tess", "tess-deferred"}))
       ->capture_default_str();
   command
       .add_option("--view", options->view,

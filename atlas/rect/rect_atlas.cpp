@@ -31,27 +31,10 @@ Result<RectAtlas> RectAtlas::create(gl::ProgramCache& programs, const RectAtlasO
   if (!emit) return tl::unexpected(emit.error());
   atlas.emit_ = *emit;
 
-  const int width = atlas.memory_.textureWidth();
-  const int height = atlas.memory_.textureHeight();
-  GLint largest = 0;
-  gl::api().GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-  if (width > largest || height > largest)
-    return fail(
-        "atlas of {} x {} texels ({} rows of them for single-texel patches) is past this context's limit of "
-        "{}",
-        width, height, height - options.memory.height, largest);
-  atlas.format_ = options.format;
-  atlas.texture_ =
-      gl::Texture(options.format == AtlasFormat::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height);
-  if (options.format == AtlasFormat::Srgb8) atlas.encoded_ = atlas.texture_.view(GL_RGBA8);
-  for (gl::Texture* texture : {&atlas.texture_, &atlas.encoded_}) {
-    if (!*texture) continue;
-    texture->filter(GL_LINEAR, GL_LINEAR);
-    texture->wrap(GL_CLAMP_TO_EDGE);
-  }
-  gl::api().ClearTexImage(atlas.texture_.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
-  const std::array<const gl::Texture*, 1> colors = {&atlas.texture_};
-  atlas.framebuffer_ = gl::Framebuffer(colors);
+  auto texture =
+      AtlasTexture::create(atlas.memory_.textureWidth(), atlas.memory_.textureHeight(), options.format);
+  if (!texture) return tl::unexpected(texture.error());
+  atlas.atlas_ = std::move(*texture);
 
   atlas.entries_ = gl::Buffer(std::size_t{patchInstances} * sizeof(glsl::uint));
   atlas.vertices_ = gl::Buffer(std::size_t{4} * entries * sizeof(glsl::DisplayVertex));
@@ -107,11 +90,6 @@ void RectAtlas::bind() const {
   batches_.bindStorage(BIND_BATCHES);
 }
 
-void RectAtlas::beginShading() const {
-  gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
-  gl::api().Viewport(0, 0, texture_.width(), texture_.height());
-}
-
 void RectAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
   gl::api().BindVertexArray(vertexArray_.get());
   gl::api().BindBuffer(GL_DRAW_INDIRECT_BUFFER, commands_.get());
@@ -121,7 +99,7 @@ void RectAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
 }
 
 std::size_t RectAtlas::bytes() const {
-  return texture_.bytes() + entries_.size() + vertices_.size() + gather_.size() + commands_.size() +
+  return atlas_.texture.bytes() + entries_.size() + vertices_.size() + gather_.size() + commands_.size() +
          indices_.size() + memory_.bytes();
 }
 

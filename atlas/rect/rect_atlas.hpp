@@ -7,24 +7,18 @@
 #include <span>
 #include <vector>
 
+#include "atlas/gatherer.hpp"
 #include "atlas/rect/memory.hpp"
-#include "atlas/visible_set.hpp"
-#include "engine/gl/program.hpp"
 #include "glsl/shared/blocks.h"
 
 namespace tessera {
-
-enum class AtlasFormat : std::uint8_t {
-  Srgb8,   // display-encoded 8 bits a channel: what a video codec takes
-  Rgba16f  // linear half floats: nothing is lost, and a value that is not finite can be found
-};
 
 struct RectAtlasOptions {
   RectMemoryOptions memory;
   AtlasFormat format = AtlasFormat::Srgb8;
 };
 
-class RectAtlas {
+class RectAtlas final : public Gatherer {
  public:
   /// `entries` is how many draw entries all patch instances need (a triple needs two), `batches` how many
   /// draws.
@@ -32,37 +26,25 @@ class RectAtlas {
                                   std::uint32_t patchInstances, std::uint32_t entries,
                                   std::span<const glsl::BatchGpu> batches);
 
-  /// Level of each visible patch; the views are in the uniform buffer BIND_VIEWS. `measure`: see
-  /// RectMemory::measure.
-  void selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure = nullptr);
+  void selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure) override;
   /// The three phases; afterwards every visible patch has a block or its record texel.
-  void allocate(const VisibleSet& visible);
-  /// Writes what shading and display draw.
-  void emit(const VisibleSet& visible);
+  void allocate(const VisibleSet& visible) override;
+  void emit(const VisibleSet& visible) override;
+  void bind() const override;
+  /// With a program of pass/gather.vert in use.
+  void shadeBatch(const gl::Program& /*program*/, std::uint32_t batch) const override { drawBatches(batch, 1); }
+  /// With a program of pass/display.vert in use.
+  void drawBatches(std::uint32_t first, std::uint32_t count) const override;
+  [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
+  [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
+  [[nodiscard]] std::size_t bytes() const override;
 
-  /// Starts shading: binds the atlas as the framebuffer. Then, a batch at a time, drawBatch() with a program
-  /// of pass/gather.vert in use.
-  void beginShading() const;
-  void drawBatch(std::uint32_t batch) const { drawBatches(batch, 1); }
-  /// Draws the entries of consecutive batches, for display, with a program of pass/display.vert in use.
-  void drawBatches(std::uint32_t first, std::uint32_t count) const;
-  /// Binds vertices and buffers that gather and display read.
-  void bind() const;
-
-  [[nodiscard]] const gl::Texture& texture() const { return texture_; }
-  /// The texture as display samples it: encoded values where the format has them, so that a fetch is a copy.
-  [[nodiscard]] const gl::Texture& displayTexture() const { return encoded_ ? encoded_ : texture_; }
-  [[nodiscard]] AtlasFormat format() const { return format_; }
   [[nodiscard]] const RectMemory& memory() const { return memory_; }
   [[nodiscard]] RectMemory& memory() { return memory_; }
-  [[nodiscard]] std::size_t bytes() const;
 
  private:
   RectMemory memory_;
-  AtlasFormat format_ = AtlasFormat::Srgb8;
-  gl::Texture texture_;
-  gl::Texture encoded_;
-  gl::Framebuffer framebuffer_;
+  AtlasTexture atlas_;
   gl::Buffer entries_;   // uint[patch instances]: first draw entry | mirrored << 31
   gl::Buffer vertices_;  // DisplayVertex[4 * entries]
   gl::Buffer gather_;    // GatherVertex[4 * entries]

@@ -1,4 +1,4 @@
-// Passes of the rectangular atlas: place, shade, display.
+// Passes of the atlas: place, shade, display.
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +23,8 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
     if (auto good = check(*options.foveation); !good) return good;
   if (options.lens)
     if (auto good = check(*options.lens); !good) return good;
-  if (!s.atlas || views.empty()) return {};
+  Gatherer* gatherer = s.gatherer();
+  if (gatherer == nullptr || views.empty()) return {};
   const auto guard = s.guard();
   const auto placed = views.first(std::min(views.size(), kMaxViews));
   auto measure = s.measureProgram(options);
@@ -32,37 +33,40 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
   s.setViews(placed);
   if (*measure != nullptr) s.setDensities(placed, options);
   const auto count = static_cast<std::uint32_t>(placed.size());
-  s.pass("levels", [&] { s.atlas->selectLevels(*s.visible, count, *measure); });
-  s.pass("memory", [&] { s.atlas->allocate(*s.visible); });
-  s.pass("emit", [&] { s.atlas->emit(*s.visible); });
+  s.pass("levels", [&] { gatherer->selectLevels(*s.visible, count, *measure); });
+  s.pass("memory", [&] { gatherer->allocate(*s.visible); });
+  s.pass("emit", [&] { gatherer->emit(*s.visible); });
   return {};
 }
 
 void Engine::shade(const View& view, const ShadeOptions& options) {
   State& s = *s_;
-  if (!s.atlas) return;
+  const Gatherer* gatherer = s.gatherer();
+  if (gatherer == nullptr) return;
   const auto guard = s.guard();
   s.bindScene();
   s.setViews({&view, 1});
-  s.atlas->bind();
-  const auto width = static_cast<float>(s.atlas->texture().width());
-  const auto height = static_cast<float>(s.atlas->texture().height());
+  gatherer->bind();
+  const AtlasTexture& atlas = gatherer->atlas();
+  const auto width = static_cast<float>(atlas.texture.width());
+  const auto height = static_cast<float>(atlas.texture.height());
   const float textureBias =
       std::isnan(options.textureBias) ? 0.0f : std::clamp(options.textureBias, -2.0f, 1.0f);
   s.pass("gather", [&] {
-    s.atlas->beginShading();
-    gl::apply({.encodeSrgb = true});
+    gl::apply({.encodeSrgb = !gatherer->encodes()});
+    gatherer->beginShading();
     s.counted([&] {
       for (std::uint32_t b = 0; b < s.draw.batches.size(); ++b) {
         const BatchPrograms& programs = s.batchPrograms[b];
         programs.gather->use();
-        setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
+        if (gatherer->rasters()) setVec2(*programs.gather, LOCATION_SIZE, 2.0f / width, 2.0f / height);
         if (programs.shading.usesUv0 || programs.shading.usesUv1)
           programs.gather->set(LOCATION_TEXTURE_BIAS, textureBias);
         s.buffers.bindMaterial(s.draw.batches[b].material, programs.shading);
-        s.atlas->drawBatch(b);
+        gatherer->shadeBatch(*programs.gather, b);
       }
     });
+    gatherer->endShading();
   });
 }
 
@@ -83,17 +87,19 @@ void Engine::display(const View& view, DisplayMode mode) {
     const float farthest = 0.0f;
     gl::api().ClearNamedFramebufferfv(target.get(), GL_DEPTH, 0, &farthest);
   };
-  if (!s.atlas) {
+  const Gatherer* gatherer = s.gatherer();
+  if (gatherer == nullptr) {
     gl::apply({.depthWrite = true, .encodeSrgb = true});
     clear(s.picture.framebuffer, &linearBackground.x);
     s.drawTransparent(view, "rect-transparent", s.picture.depth);
     return;
   }
-  s.atlas->bind();
-  const float halfX = 0.5f / static_cast<float>(s.atlas->texture().width());
-  const float halfY = 0.5f / static_cast<float>(s.atlas->texture().height());
-  s.atlas->displayTexture().bind(UNIT_ATLAS);
-  const bool linear = s.atlas->format() == AtlasFormat::Rgba16f;
+  gatherer->bind();
+  const AtlasTexture& atlas = gatherer->atlas();
+  const float texelX = 1.0f / static_cast<float>(atlas.texture.width());
+  const float texelY = 1.0f / static_cast<float>(atlas.texture.height());
+  atlas.display().bind(UNIT_ATLAS);
+  const bool linear = atlas.format == AtlasFormat::Rgba16f;
 
   // Of the two forms the plan may have only one; that one draws, whichever was asked for.
   const bool planned =
@@ -104,7 +110,7 @@ void Engine::display(const View& view, DisplayMode mode) {
       s.deferred->use();
       s.ids().bind(UNIT_ID);
       gl::api().BindImageTexture(0, s.picture.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-      setVec2(*s.deferred, LOCATION_SIZE, 2.0f * halfX, 2.0f * halfY);
+      setVec2(*s.deferred, LOCATION_SIZE, texelX, texelY);
       const glm::mat3 rays(pixelToRay(view));
       gl::api().ProgramUniformMatrix3fv(s.deferred->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(rays));
       gl::api().ProgramUniform4fv(s.deferred->get(), LOCATION_BACKGROUND, 1, &background.x);
@@ -128,13 +134,13 @@ void Engine::display(const View& view, DisplayMode mode) {
         ++last;
       const BatchPrograms& programs = s.batchPrograms[first];
       programs.display->use();
-      setVec2(*programs.display, LOCATION_SIZE, halfX, halfY);
+      setVec2(*programs.display, LOCATION_SIZE, texelX, texelY);
       if (batch.mask) {
         s.buffers.bindMaterial(batch.material, programs.depth);
       }
-      // Entries are counter-clockwise in the world, mirrored or not (see rect_emit.comp).
+      // Entries are counter-clockwise in the world, mirrored or not (see the emit passes).
       gl::applyCulling(!batch.doubleSided, false);
-      s.atlas->drawBatches(first, last - first);
+      gatherer->drawBatches(first, last - first);
       first = last;
     }
   });

@@ -74,6 +74,7 @@ DrawScene prepare(const Scene& scene, const PatchOptions& options) {
       batch.doubleSided = key.doubleSided;
       batch.firstInstance = static_cast<std::uint32_t>(i);
       batch.firstEntry = draw.entries;
+      batch.firstTriangle = draw.triangles;
       draw.batches.push_back(batch);
     }
     Batch& batch = draw.batches.back();
@@ -86,6 +87,9 @@ DrawScene prepare(const Scene& scene, const PatchOptions& options) {
     ++batch.instanceCount;
     batch.entryCapacity += patches + set.triples;
     draw.entries += patches + set.triples;
+    const std::uint32_t triangles = 2 * set.pairs + 3 * set.triples + set.singles;
+    batch.triangles += triangles;
+    draw.triangles += triangles;
     draw.trianglesPaired += std::uint64_t{2} * set.pairs;
     draw.trianglesTripled += std::uint64_t{3} * set.triples;
     draw.trianglesAlone += set.singles;

@@ -23,6 +23,8 @@ struct Batch {
   std::uint32_t instanceCount = 0;
   std::uint32_t firstEntry = 0;  // draw entries of the visible set: a patch has one, a triple two
   std::uint32_t entryCapacity = 0;
+  std::uint32_t firstTriangle = 0;  // of all triangle instances, in the order of batches
+  std::uint32_t triangles = 0;
 };
 
 /// A scene made ready for drawing: patches built, instances sorted by batch. BLEND instances are apart: they
@@ -39,7 +41,8 @@ struct DrawScene {
   std::vector<std::uint32_t> instanceOfPatch;  // one a patch instance
   std::vector<std::uint32_t> patchBase;        // one an instance
   std::uint32_t patchInstances = 0;
-  std::uint32_t entries = 0;  // capacity over all batches
+  std::uint32_t entries = 0;    // capacity over all batches
+  std::uint32_t triangles = 0;  // of all instances but the blended
 
   // What the patch stage made of the scene, for `info` and reports.
   std::uint64_t trianglesPaired = 0;

@@ -18,11 +18,13 @@ constexpr const char* kScreenModes[] = {"0", "1", "2", "3"};  // see pass/debug_
 
 Result<Image> Engine::debugView(DebugView what, const View& view) {
   State& s = *s_;
-  if (!s.atlas) return fail("{}: the plan has no atlas, so there is nothing to show of it", s.scene.file);
+  if (s.gatherer() == nullptr)
+    return fail("{}: the plan has no atlas, so there is nothing to show of it", s.scene.file);
   const auto guard = s.guard();
   if (what == DebugView::Atlas) return readAtlas();
-  gl::Texture target(GL_RGBA8, what == DebugView::Blocks ? s.atlas->texture().width() : view.width,
-                     what == DebugView::Blocks ? s.atlas->texture().height() : view.height);
+  if (!s.atlas) return fail("{}: this view is the rectangular atlas's", s.scene.file);
+  gl::Texture target(GL_RGBA8, what == DebugView::Blocks ? s.atlas->atlas().texture.width() : view.width,
+                     what == DebugView::Blocks ? s.atlas->atlas().texture.height() : view.height);
   s.bindScene();
   s.atlas->bind();
   gl::api().MemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -57,9 +59,10 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
 }
 
 std::uint64_t Engine::nonFiniteTexels() const {
-  if (!s_->atlas || s_->atlas->format() != AtlasFormat::Rgba16f) return 0;
+  const Gatherer* gatherer = s_->gatherer();
+  if (gatherer == nullptr || gatherer->atlas().format != AtlasFormat::Rgba16f) return 0;
   const auto guard = s_->guard();
-  const auto bytes = gl::readTexture(s_->atlas->texture(), GL_RGBA, GL_FLOAT, 4 * sizeof(float));
+  const auto bytes = gl::readTexture(gatherer->atlas().texture, GL_RGBA, GL_FLOAT, 4 * sizeof(float));
   std::uint64_t bad = 0;
   for (std::size_t i = 0; i < bytes.size(); i += 4 * sizeof(float)) {
     std::array<float, 4> texel{};

@@ -87,12 +87,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   say("compiling shaders");
   if (auto compiled = s.compile(); !compiled) return tl::unexpected(compiled.error());
   if (s.graph.find("gather") != nullptr) {
-    auto visible = VisibleSet::create(s.programs, s.draw.patchInstances);
-    if (!visible) return tl::unexpected(visible.error());
-    s.visible = std::move(*visible);
-    auto atlas = s.makeAtlas(options.atlas);
-    if (!atlas) return tl::unexpected(atlas.error());
-    s.atlas = std::move(*atlas);
+    if (auto made = s.makeGatherer(options); !made) return tl::unexpected(made.error());
   }
   if (s.features.blend) {
     std::uint32_t longest = 0;
@@ -192,22 +187,67 @@ void Engine::update(double time) {
 }
 
 Result<void> Engine::remakeAtlas(const RectMemoryOptions& memory) {
+  EngineOptions options = s_->options;
+  options.gatherer = GathererKind::Rect;
+  options.atlas.memory = memory;
+  if (s_->gatherer() == nullptr) return {};
+  const auto guard = s_->guard();
+  return s_->makeGatherer(options);
+}
+
+Result<void> Engine::remakeAtlas(const TessAtlasOptions& tess) {
+  EngineOptions options = s_->options;
+  options.gatherer = GathererKind::Tess;
+  options.tess = tess;
+  if (s_->gatherer() == nullptr) return {};
+  const auto guard = s_->guard();
+  return s_->makeGatherer(options);
+}
+
+Result<void> Engine::setSpawn(const TessSpawn& spawn) {
   State& s = *s_;
-  if (!s.atlas) return {};
+  if (auto good = check(spawn); !good || !s.tess) return good;
   const auto guard = s.guard();
-  RectAtlasOptions options = s.options.atlas;
-  options.memory = memory;
-  auto atlas = s.makeAtlas(options);
-  if (!atlas) return tl::unexpected(atlas.error());
-  s.atlas = std::move(*atlas);
-  s.options.atlas = options;
+  EngineOptions options = s.options;
+  options.tess.spawn = spawn;
+  if (auto compiled = s.compileGatherer(options); !compiled) return compiled;
+  s.tess->setSpawn(spawn);
+  s.options.tess.spawn = spawn;
   return {};
 }
 
-Result<RectAtlas> Engine::State::makeAtlas(const RectAtlasOptions& atlasOptions) {
+Result<void> Engine::State::makeGatherer(const EngineOptions& wanted) {
+  const bool triangles = wanted.gatherer == GathererKind::Tess;
+  const VisibleElement element = triangles ? VisibleElement::Triangle : VisibleElement::Patch;
+  // Numbers of triangles leave room for the three of a patch and one more.
+  const std::uint32_t elements = draw.patchInstances * (triangles ? 4 : 1);
+  std::optional<VisibleSet> newVisible;
+  if (!visible || visible->element() != element) {
+    auto made = VisibleSet::create(programs, element, elements);
+    if (!made) return tl::unexpected(made.error());
+    newVisible = std::move(*made);
+  }
   std::vector<glsl::BatchGpu> batches;
-  for (const Batch& batch : draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity});
-  return RectAtlas::create(programs, atlasOptions, draw.patchInstances, draw.entries, batches);
+  if (triangles) {
+    for (const Batch& batch : draw.batches) batches.push_back({batch.firstTriangle, batch.triangles});
+    auto made = TessAtlas::create(programs, wanted.tess, elements, batches);
+    if (!made) return tl::unexpected(made.error());
+    if (auto compiled = compileGatherer(wanted); !compiled) return compiled;
+    tess = std::move(*made);
+    atlas.reset();
+  } else {
+    for (const Batch& batch : draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity});
+    auto made = RectAtlas::create(programs, wanted.atlas, draw.patchInstances, draw.entries, batches);
+    if (!made) return tl::unexpected(made.error());
+    if (auto compiled = compileGatherer(wanted); !compiled) return compiled;
+    atlas = std::move(*made);
+    tess.reset();
+  }
+  if (newVisible) visible = std::move(newVisible);
+  options.gatherer = wanted.gatherer;
+  options.atlas = wanted.atlas;
+  options.tess = wanted.tess;
+  return {};
 }
 
 void Engine::rect(const View& view, DisplayMode mode) {
@@ -238,8 +278,8 @@ Image Engine::readColor() const {
 
 Image Engine::readAtlas() const {
   const auto guard = s_->guard();
-  if (!s_->atlas) return {};
-  const gl::Texture& texture = s_->atlas->displayTexture();
+  if (s_->gatherer() == nullptr) return {};
+  const gl::Texture& texture = s_->gatherer()->atlas().display();
   return flipped(texture.width(), texture.height(), gl::readTexture(texture, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }
 
@@ -261,6 +301,9 @@ const SceneFeatures& Engine::features() const { return s_->features; }
 const FrameGraph& Engine::graph() const { return s_->graph; }
 const RectAtlas* Engine::atlas() const { return s_->atlas ? &*s_->atlas : nullptr; }
 RectAtlas* Engine::atlas() { return s_->atlas ? &*s_->atlas : nullptr; }
+const TessAtlas* Engine::tess() const { return s_->tess ? &*s_->tess : nullptr; }
+TessAtlas* Engine::tess() { return s_->tess ? &*s_->tess : nullptr; }
+const Gatherer* Engine::gatherer() const { return s_->gatherer(); }
 const VisibleSet* Engine::visibleSet() const { return s_->visible ? &*s_->visible : nullptr; }
 const std::vector<std::string>& Engine::permutations() const { return s_->programs.compiled(); }
 const std::vector<PassTime>& Engine::times() const { return s_->times; }
@@ -278,7 +321,8 @@ std::vector<std::pair<std::string, std::size_t>> Engine::memory() const {
     if (*texture) targets += texture->bytes();
   std::vector<std::pair<std::string, std::size_t>> sizes = {
       {"geometry", s.buffers.geometryBytes}, {"textures", s.buffers.textureBytes}, {"targets", targets}};
-  if (s.atlas) sizes.emplace_back("atlas", s.atlas->bytes());
+  if (const Gatherer* gatherer = s_->gatherer(); gatherer != nullptr)
+    sizes.emplace_back("atlas", gatherer->bytes());
   if (s.shadowMap) sizes.emplace_back("shadow-map", s.shadowMap.bytes());
   return sizes;
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "atlas/rect/rect_atlas.hpp"
+#include "atlas/tess/tess_atlas.hpp"
 #include "engine/frame/batches.hpp"
 #include "engine/frame/features.hpp"
 #include "engine/frame/graph.hpp"
@@ -28,8 +29,13 @@
 
 namespace tessera {
 
+/// Which way an atlas is filled.
+enum class GathererKind : std::uint8_t { Rect, Tess };
+
 struct EngineOptions {
+  GathererKind gatherer = GathererKind::Rect;  // of the two that follow, which one there is
   RectAtlasOptions atlas;
+  TessAtlasOptions tess;
   PatchOptions patches;
   FrameRequest request{.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = true};
   /// Triangles with an edge longer than this share of the scene's diagonal are split at load, so that huge
@@ -111,6 +117,10 @@ class Engine {
   /// Another atlas in place of the one there is, with the same format; what that one held is lost. Fails, and
   /// leaves the old one, where such an atlas cannot be made.
   Result<void> remakeAtlas(const RectMemoryOptions& memory);
+  Result<void> remakeAtlas(const TessAtlasOptions& tess);
+  /// Another way to spawn the samples of what is placed; without effect on any but the tessellation gatherer.
+  /// Fails, and changes nothing, where check(spawn) does or a program does not compile.
+  Result<void> setSpawn(const TessSpawn& spawn);
   /// findVisible, place (without options), shade and display of one view.
   void rect(const View& view, DisplayMode mode = DisplayMode::Geometry);
 
@@ -130,8 +140,12 @@ class Engine {
   [[nodiscard]] const DrawScene& drawScene() const;
   [[nodiscard]] const SceneFeatures& features() const;
   [[nodiscard]] const FrameGraph& graph() const;
+  /// What fills the atlas; null where the plan has none. atlas() and tess() are the same by kind, or null.
+  [[nodiscard]] const Gatherer* gatherer() const;
   [[nodiscard]] const RectAtlas* atlas() const;
   [[nodiscard]] RectAtlas* atlas();
+  [[nodiscard]] const TessAtlas* tess() const;
+  [[nodiscard]] TessAtlas* tess();
   [[nodiscard]] const VisibleSet* visibleSet() const;
   /// "pass/forward.vert + pass/shade.frag NORMAL_TEX ...", one a program.
   [[nodiscard]] const std::vector<std::string>& permutations() const;

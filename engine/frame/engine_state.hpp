@@ -90,6 +90,7 @@ struct Engine::State {
 
   std::optional<VisibleSet> visible;
   std::optional<RectAtlas> atlas;
+  std::optional<TessAtlas> tess;
   PictureTarget picture;
   PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
   gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
@@ -145,13 +146,20 @@ struct Engine::State {
   }
 
   Result<void> compile();
+  /// The programs of the gatherer that the options name: those to shade and to display its atlas.
+  Result<void> compileGatherer(const EngineOptions& wanted);
+  /// Makes the gatherer that the options name, with its programs and its visible set, in place of the one
+  /// there is.
+  Result<void> makeGatherer(const EngineOptions& wanted);
+  [[nodiscard]] Gatherer* gatherer() {
+    return tess ? static_cast<Gatherer*>(&*tess) : (atlas ? &*atlas : nullptr);
+  }
   /// Whether several views' ids are drawn in one pass, a layer each; compiles what that needs at its first
   /// use. What a driver offers and then refuses is not asked for again.
   bool drawsIdLayers();
   /// Of the last view that findVisible drew.
   [[nodiscard]] const gl::Texture& ids() const { return idsInLayers ? idLayers.lastIds : id.ids; }
   [[nodiscard]] const gl::Texture& idDepth() const { return idsInLayers ? idLayers.lastDepth : id.depth; }
-  Result<RectAtlas> makeAtlas(const RectAtlasOptions& atlasOptions);
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
   void beginPicture(const View& view);

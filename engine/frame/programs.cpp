@@ -30,17 +30,10 @@ Result<void> Engine::State::compile() {
     p.shading = permutationOf(material, batch.vertexColor, features);
     p.depth = depthPermutationOf(material, batch.vertexColor);
     if (has("forward")) p.forward = get({"pass/forward.vert", "pass/shade.frag"}, definesOf(p.shading));
-    if (has("gather")) {
-      // The alpha test belongs to visibility and display: gather shades the whole block, masked or not.
-      Permutation gather = p.shading;
-      gather.mask = false;
-      p.gather = get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
-      p.id = get({"pass/depth.vert", "pass/id.frag"}, definesOf(p.depth, {"WRITE_ID"}));
-    }
+    if (has("gather")) p.id = get({"pass/depth.vert", "pass/id.frag"}, definesOf(p.depth, {"WRITE_ID"}));
     if (has("depth-prepass")) p.depthOnly = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth));
     if (has("shadow"))
       p.shadow = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth, {"SHADOW_LAYER"}));
-    if (has("display")) p.display = get({"pass/display.vert", "pass/display.frag"}, definesOf(p.depth));
     batchPrograms.push_back(p);
   }
   if (features.blend)
@@ -51,17 +44,60 @@ Result<void> Engine::State::compile() {
       p.forward = get({"pass/forward.vert", "pass/shade.frag"}, definesOf(p.shading));
       blendedPrograms.push_back(p);
     }
-  if (has("display-deferred")) {
-    gl::Defines defines;
-    // The image is written as it is: a linear atlas must be encoded in the shader.
-    if (options.atlas.format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
-    deferred = get({"pass/display_deferred.comp"}, defines);
-  }
   if (has("upsample-rows")) upsampleRows = get({"pass/lanczos.comp"}, {});
   if (has("upsample-columns")) upsampleColumns = get({"pass/lanczos.comp"}, {{"COLUMNS", "1"}});
   if (has("warp")) warp = get({"pass/warp.vert", "pass/warp.frag"}, {});
   if (has("distort")) distort = get({"pass/distort.comp"}, {});
   if (!error.empty()) return fail("{}", error);
+  return {};
+}
+
+Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
+  const bool triangles = wanted.gatherer == GathererKind::Tess;
+  const AtlasFormat format = triangles ? wanted.tess.format : wanted.atlas.format;
+  const auto has = [&](const char* name) { return graph.find(name) != nullptr; };
+  struct Chosen {
+    const gl::Program* gather = nullptr;
+    const gl::Program* display = nullptr;
+  };
+  std::vector<Chosen> chosen;
+  for (const BatchPrograms& batch : batchPrograms) {
+    Chosen c;
+    if (has("gather")) {
+      // The alpha test belongs to visibility and display: gather shades all of a place, masked or not.
+      Permutation gather = batch.shading;
+      gather.mask = false;
+      TessAtlas::GatherProgram own = TessAtlas::gatherProgram(wanted.tess);
+      own.defines.merge(definesOf(gather));
+      auto program =
+          triangles ? programs.get(own.files, own.defines)
+                    : programs.get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
+      if (!program) return tl::unexpected(program.error());
+      c.gather = *program;
+    }
+    if (has("display")) {
+      auto program =
+          triangles
+              ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, definesOf(batch.depth))
+              : programs.get({"pass/display.vert", "pass/display.frag"}, definesOf(batch.depth));
+      if (!program) return tl::unexpected(program.error());
+      c.display = *program;
+    }
+    chosen.push_back(c);
+  }
+  if (has("display-deferred")) {
+    gl::Defines defines;
+    // The image is written as it is: a linear atlas must be encoded in the shader.
+    if (format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
+    if (triangles) defines.emplace("TRIANGLES", "1");
+    auto program = programs.get({"pass/display_deferred.comp"}, defines);
+    if (!program) return tl::unexpected(program.error());
+    deferred = *program;
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    batchPrograms[i].gather = chosen[i].gather;
+    batchPrograms[i].display = chosen[i].display;
+  }
   return {};
 }
 
@@ -82,7 +118,7 @@ Result<const gl::Program*> Engine::State::measureProgram(const PlaceOptions& pla
   if (placing.foveation) defines["FOVEATE"] = "1";
   if (placing.lens) defines["LENS"] = "1";
   if (defines.empty()) return nullptr;
-  return programs.get({"pass/rect_measure.comp"}, defines);
+  return programs.get({tess ? "pass/tess_measure.comp" : "pass/rect_measure.comp"}, defines);
 }
 
 }  // namespace tessera

@@ -26,6 +26,7 @@ std::uint64_t Engine::visibleTriangles() const {
   std::uint64_t triangles = 0;
   if (!s_->visible) return triangles;
   const auto guard = s_->guard();
+  if (s_->tess) return s_->visible->read().size();
   for (const std::uint32_t patch : s_->visible->read())
     triangles += placeOf(s_->draw, patch).geometry.triangles;
   return triangles;

@@ -186,6 +186,7 @@ struct StateGuard::Saved {
   // A compatibility profile returns two polygon modes, front and back; the core profile has one.
   std::array<GLint, 2> polygonMode{};
   GLboolean depthMask = GL_TRUE;
+  GLint patchVertices = 0;
   float offsetFactor = 0.0f, offsetUnits = 0.0f, offsetClamp = 0.0f;
 
   Saved();
@@ -224,6 +225,7 @@ StateGuard::Saved::Saved()
   clipDepth = symbol(GL_CLIP_DEPTH_MODE);
   provokingVertex = symbol(GL_PROVOKING_VERTEX);
   gl.GetIntegerv(GL_POLYGON_MODE, polygonMode.data());
+  patchVertices = integer(GL_PATCH_VERTICES);
   offsetFactor = number(GL_POLYGON_OFFSET_FACTOR);
   offsetUnits = number(GL_POLYGON_OFFSET_UNITS);
   if (gl.PolygonOffsetClamp != nullptr) offsetClamp = number(GL_POLYGON_OFFSET_CLAMP);
@@ -254,6 +256,7 @@ void StateGuard::Saved::restore() const {
   gl.ClipControl(clipOrigin, clipDepth);
   gl.ProvokingVertex(provokingVertex);
   gl.PolygonMode(GL_FRONT_AND_BACK, static_cast<GLenum>(polygonMode[0]));
+  gl.PatchParameteri(GL_PATCH_VERTICES, patchVertices);
   if (gl.PolygonOffsetClamp != nullptr)
     gl.PolygonOffsetClamp(offsetFactor, offsetUnits, offsetClamp);
   else

@@ -19,7 +19,7 @@ layout(std430, binding = BIND_UV1) readonly buffer Uv1 { vec2 uv1[]; };
 layout(std430, binding = BIND_COLORS) readonly buffer Colors { vec4 colors[]; };
 #endif
 #endif
-layout(location = LOCATION_SIZE) uniform vec2 uHalfTexelToUv;  // 0.5 / size of the atlas texture
+layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;  // 1 / size of the atlas texture
 
 layout(location = 0) in vec3 aPosition;
 layout(location = 1) in uint aTexel;
@@ -29,7 +29,7 @@ invariant gl_Position;
 
 void main() {
   gl_Position = view.viewProjection * vec4(aPosition, 1.0);
-  vAtlas = vec2(float(aTexel & 0xffffu), float(aTexel >> 16u)) * uHalfTexelToUv;
+  vAtlas = vec2(float(aTexel & 0xffffu), float(aTexel >> 16u)) * (0.5 * uTexelToUv);
 #ifdef MASK
   uint v = gatherVertices[gl_VertexID].vertex;
 #ifdef BASE_TEX

@@ -15,7 +15,11 @@ layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;
 layout(location = LOCATION_VIEW) uniform mat3 uPixelToRay;
 layout(location = LOCATION_BACKGROUND) uniform vec4 uBackground;
 
+#ifdef TRIANGLES
+#include "lib/tess_entry.glsl"
+#else
 #include "lib/entry_triangle.glsl"
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

@@ -1,6 +1,6 @@
-// Marks the patch instances that the id buffer shows, and compacts them into the visible list. Run once a
-// view, or once over LAYERS, so that the union of several views is one list. A patch is appended by whoever
-// marks it first.
+// Marks the patch instances, or with TRIANGLES the triangles, that the id buffer shows, and compacts them into the
+// visible list. Run once a view, or once over LAYERS, so that the union of several views is one list. An element is
+// appended by whoever marks it first.
 #include "shared/bindings.h"
 #include "shared/scene.h"
 
@@ -16,6 +16,12 @@ layout(std430, binding = BIND_VISIBLE) buffer Visible { uint visibleCount; uint 
 layout(std430, binding = BIND_VISIBLE_MARK) coherent buffer Marks { uint marks[]; };
 layout(location = LOCATION_FRAME) uniform uint uFrame;
 
+#ifdef TRIANGLES
+uint elementOf(uint id) { return id - 4u; }  // see triangleNumber
+#else
+uint elementOf(uint id) { return (id >> 2u) - 1u; }
+#endif
+
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   ivec2 size = textureSize(uIds, 0).xy;
@@ -23,9 +29,9 @@ void main() {
   uint id = idAt(pixel);
   if (id == 0u) return;
   // Of a run of equal ids along x only the first asks: most pixels end here.
-  if (gl_LocalInvocationID.x > 0u && (idAt(pixel - ivec2(1, 0)) >> 2u) == (id >> 2u)) return;
-  uint patchId = (id >> 2u) - 1u;
-  if (marks[patchId] == uFrame) return;
-  if (atomicExchange(marks[patchId], uFrame) == uFrame) return;
-  visibleIds[atomicAdd(visibleCount, 1u)] = patchId;
+  if (gl_LocalInvocationID.x > 0u && elementOf(idAt(pixel - ivec2(1, 0))) == elementOf(id)) return;
+  uint element = elementOf(id);
+  if (marks[element] == uFrame) return;
+  if (atomicExchange(marks[element], uFrame) == uFrame) return;
+  visibleIds[atomicAdd(visibleCount, 1u)] = element;
 }

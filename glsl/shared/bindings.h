@@ -38,6 +38,14 @@
 
 #define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
 
+// Shader storage: the tessellation gatherer's atlas. It has the rectangular one's bindings for what is alike, and:
+#define BIND_TESS_BINS 9   // TessBin[]
+#define BIND_TESS_RUNS 10  // TessRun[]
+// and when it shades, of those that only memory phases read:
+#define BIND_TESS_STARTS 13  // uint[entries]
+#define BIND_TESS_GROUPS 14  // TessGroups[batches]
+#define BIND_TESS_PIECES 15  // uvec2[]
+
 #define BIND_STORAGE_COUNT 25   // of the above
 
 // Uniform buffers

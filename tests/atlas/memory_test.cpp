@@ -7,6 +7,7 @@
 
 #include "glsl/shared/bindings.h"
 #include "tests/atlas/memory_scenarios.hpp"
+#include "tests/atlas/visible_feed.hpp"
 #include "tests/gl_test.hpp"
 
 namespace tessera {
@@ -14,6 +15,7 @@ namespace {
 
 using test::FrameStream;
 using test::Scenario;
+using test::VisibleFeed;
 using Wants = std::vector<MemoryTwin::Want>;
 
 RectMemoryOptions optionsOf(const Scenario& scenario, const test::Mode& mode = {}) {
@@ -34,11 +36,7 @@ RectMemoryOptions optionsOf(const Scenario& scenario, const test::Mode& mode = {
 class Feed {
  public:
   Feed(const RectMemoryOptions& options, std::uint32_t patches)
-      : programs_(test::context()),
-        patches_(patches),
-        visible_(4 * (std::size_t{patches} + 1)),
-        marks_(4 * std::size_t{patches}),
-        dispatch_(12) {
+      : programs_(test::context()), patches_(patches), visible_(patches) {
     auto made = RectMemory::create(programs_, options, patches);
     if (!made) {
       ADD_FAILURE() << made.error().message;
@@ -59,30 +57,19 @@ class Feed {
   void frame(const Wants& wants, const std::vector<glsl::PatchMeasure>& measures) {
     see(wants);
     memory.measures().write(std::span<const glsl::PatchMeasure>(measures));
-    memory.allocate(dispatch_, frame_);
+    memory.allocate(visible_.dispatch(), visible_.frame());
   }
   /// Uploads a visible list and binds it; the next calls use it.
   void see(const Wants& wants) {
-    ++frame_;
-    std::vector<std::uint32_t> list = {static_cast<std::uint32_t>(wants.size())};
-    std::vector<std::uint32_t> marks = marks_.readAll<std::uint32_t>(patches_);
-    for (const MemoryTwin::Want& want : wants) {
-      list.push_back(want.patch);
-      marks[want.patch] = frame_;
-    }
-    visible_.write(std::span<const std::uint32_t>(list));
-    marks_.write(std::span<const std::uint32_t>(marks));
-    const std::vector<std::uint32_t> groups = {
-        static_cast<std::uint32_t>((wants.size() + RECT_GROUP - 1) / RECT_GROUP), 1, 1};
-    dispatch_.write(std::span<const std::uint32_t>(groups));
-    visible_.bindStorage(BIND_VISIBLE);
-    marks_.bindStorage(BIND_VISIBLE_MARK);
+    std::vector<std::uint32_t> list;
+    for (const MemoryTwin::Want& want : wants) list.push_back(want.patch);
+    visible_.see(list);
   }
   [[nodiscard]] std::vector<glsl::PatchState> states() const {
     return memory.patchStates().readAll<glsl::PatchState>(patches_);
   }
-  [[nodiscard]] const gl::Buffer& dispatch() const { return dispatch_; }
-  [[nodiscard]] std::uint32_t number() const { return frame_; }
+  [[nodiscard]] const gl::Buffer& dispatch() const { return visible_.dispatch(); }
+  [[nodiscard]] std::uint32_t number() const { return visible_.frame(); }
   [[nodiscard]] gl::ProgramCache& programs() { return programs_; }
 
   RectMemory memory;
@@ -90,10 +77,7 @@ class Feed {
  private:
   gl::ProgramCache programs_;
   std::uint32_t patches_;
-  std::uint32_t frame_ = 0;
-  gl::Buffer visible_;
-  gl::Buffer marks_;
-  gl::Buffer dispatch_;
+  VisibleFeed visible_;
 };
 
 /// What must hold of the visible patches after a frame, whatever was asked. Returns how many kept their

@@ -9,6 +9,7 @@
 #include "engine/gl/draw_state.hpp"
 #include "engine/measure/metrics.hpp"
 #include "glsl/shared/bindings.h"
+#include "tests/frame/pictures.hpp"
 #include "tests/frame/small_scenes.hpp"
 #include "tests/gl_test.hpp"
 
@@ -16,6 +17,11 @@ namespace tessera {
 namespace {
 
 using EngineGl = test::GlTest;
+using test::cornerScene;
+using test::countCovered;
+using test::largestDifference;
+using test::meanDifference;
+using test::unlit;
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
@@ -38,47 +44,8 @@ std::unique_ptr<Engine> make(Scene scene, const EngineOptions& options, std::opt
   return std::move(*engine);
 }
 
-Material unlit() {
-  Material material;
-  material.unlit = true;
-  return material;
-}
-
-/// A room corner of three grids and a tilted quad, unlit, coloured linearly over each grid.
-Scene cornerScene(bool colored = true) {
-  Scene scene = test::emptyScene();
-  const auto material = test::addMaterial(scene, unlit());
-  test::place(scene, test::addGrid(scene, {0, 0, 0}, {4, 0, 0}, {0, 0, -4}, 5, 5, material, colored));
-  test::place(scene, test::addGrid(scene, {0, 0, -4}, {4, 0, 0}, {0, 3, 0}, 4, 3, material, colored));
-  test::place(scene, test::addGrid(scene, {0, 0, 0}, {0, 0, -4}, {0, 3, 0}, 3, 4, material, colored));
-  test::place(
-      scene, test::addGrid(scene, {1, 0.4f, -1}, {1.5f, 0.3f, 0}, {0, 0.8f, -0.6f}, 1, 1, material, colored));
-  test::finish(scene);
-  return scene;
-}
-
 View cornerView(double shift = 0.0) {
   return lookAt({4.5 + shift, 2.2, 1.5}, {1.5, 0.9, -2.0}, 60.0, kWidth, kHeight, 0.05);
-}
-
-std::size_t countCovered(const Image& image) {
-  std::size_t covered = 0;
-  for (std::size_t i = 3; i < image.pixels.size(); i += 4) covered += image.pixels[i] > 0 ? 1 : 0;
-  return covered;
-}
-
-int largestDifference(const Image& a, const Image& b) {
-  int largest = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i)
-    largest = std::max(largest, std::abs(static_cast<int>(a.pixels[i]) - static_cast<int>(b.pixels[i])));
-  return largest;
-}
-
-double meanDifference(const Image& a, const Image& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i)
-    sum += std::abs(static_cast<int>(a.pixels[i]) - static_cast<int>(b.pixels[i]));
-  return sum / static_cast<double>(a.pixels.size());
 }
 
 /// gather.vert with a fragment shader that adds one to its texel.
@@ -110,7 +77,7 @@ GLuint countingProgram() {
 // Draws the gather geometry additively and compares with the blocks that the patch states claim, texel by
 // texel.
 void expectExactCoverage(Engine& engine) {
-  const gl::Texture& atlas = engine.atlas()->texture();
+  const gl::Texture& atlas = engine.atlas()->atlas().texture;
   gl::Texture counts(GL_RGBA16F, atlas.width(), atlas.height());
   gl::api().ClearTexImage(counts.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
   const std::array<const gl::Texture*, 1> colors = {&counts};
@@ -500,7 +467,7 @@ TEST_F(EngineGl, DebugViewsShowSomethingOfEverything) {
   }
   const auto blocks = engine->debugView(DebugView::Blocks, view);
   ASSERT_TRUE(blocks);
-  EXPECT_EQ(blocks->width, engine->atlas()->texture().width());
+  EXPECT_EQ(blocks->width, engine->atlas()->atlas().texture.width());
 }
 
 }  // namespace

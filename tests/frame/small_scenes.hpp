@@ -93,4 +93,22 @@ inline std::uint32_t addCheckers(Scene& scene, int side, int cells, bool alpha =
   return static_cast<std::uint32_t>(scene.images.size() - 1);
 }
 
+inline Material unlit() {
+  Material material;
+  material.unlit = true;
+  return material;
+}
+
+/// A room corner of three grids and a tilted quad, unlit, coloured linearly over each grid.
+inline Scene cornerScene(bool colored = true) {
+  Scene scene = emptyScene();
+  const auto material = addMaterial(scene, unlit());
+  place(scene, addGrid(scene, {0, 0, 0}, {4, 0, 0}, {0, 0, -4}, 5, 5, material, colored));
+  place(scene, addGrid(scene, {0, 0, -4}, {4, 0, 0}, {0, 3, 0}, 4, 3, material, colored));
+  place(scene, addGrid(scene, {0, 0, 0}, {0, 0, -4}, {0, 3, 0}, 3, 4, material, colored));
+  place(scene, addGrid(scene, {1, 0.4f, -1}, {1.5f, 0.3f, 0}, {0, 0.8f, -0.6f}, 1, 1, material, colored));
+  finish(scene);
+  return scene;
+}
+
 }  // namespace tessera::test

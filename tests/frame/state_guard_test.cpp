@@ -177,6 +177,29 @@ std::vector<Image> useEngine(gl::Context& context, AtlasFormat format,
   EXPECT_GT(engine.atlas()->memory().readStatistics().visiblePatches, 0u);
   after("readStatistics");
 
+  TessAtlasOptions tess;
+  tess.memory.width = tess.memory.height = 1024;
+  tess.format = format;
+  EXPECT_TRUE(engine.remakeAtlas(tess));
+  after("remakeAtlas");
+  // Rasterization sets what rect sets.
+  for (const TessGather gather : {TessGather::Compute, TessGather::Tess}) {
+    EXPECT_TRUE(engine.setSpawn({gather, 64}));
+    after("setSpawn");
+    engine.findVisible(views);
+    after("findVisible of triangles");
+    EXPECT_TRUE(engine.place(views, {Foveation{}, {}}));
+    after("place of triangles");
+    engine.shade(view);
+    after("shade of triangles");
+    engine.display(view);
+    keep("display of triangles");
+    engine.rect(view, DisplayMode::Deferred);
+    keep("triangles, deferred");
+  }
+  EXPECT_GT(engine.tess()->memory().readStatistics().visible, 0u);
+  after("readStatistics of triangles");
+
   // As it is, and scaled into a part of the host's picture.
   gl::Texture picture(GL_RGBA8, kWidth + 40, kHeight + 30);
   const std::array<float, 4> backdrop = {0.25f, 0.5f, 0.75f, 1.0f};

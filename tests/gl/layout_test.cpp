@@ -6,6 +6,7 @@
 #include "glsl/shared/blocks.h"
 #include "glsl/shared/material.h"
 #include "glsl/shared/scene.h"
+#include "glsl/shared/tess_atlas.h"
 #include "tests/gl_test.hpp"
 
 namespace tessera {
@@ -61,6 +62,61 @@ TEST_F(Layout, StorageBuffers) {
   expectStride(emit, "commands[0].count", sizeof(glsl::DrawCommand));
   expectOffset(emit, variable, "commands[0].baseInstance", offsetof(glsl::DrawCommand, baseInstance));
   expectStride(emit, "batches[0].firstEntry", sizeof(glsl::BatchGpu));
+}
+
+TEST_F(Layout, TessellationGatherer) {
+  const GLenum variable = GL_BUFFER_VARIABLE;
+  const GLuint request = use({"pass/tess_request.comp"}, {});
+  expectStride(request, "states[0].epoch", sizeof(glsl::TessState));
+  expectOffset(request, variable, "states[0].shape.form", offsetof(glsl::TessState, shape.form));
+  expectOffset(request, variable, "states[0].place0", offsetof(glsl::TessState, place0));
+  expectOffset(request, variable, "states[0].pending", offsetof(glsl::TessState, pending));
+  expectOffset(request, variable, "states[0].epoch", offsetof(glsl::TessState, epoch));
+  expectStride(request, "measures[0].edge0", sizeof(glsl::TessMeasure));
+  expectOffset(request, variable, "measures[0].height", offsetof(glsl::TessMeasure, height));
+  const GLuint plan = use({"pass/tess_plan.comp"}, {});
+  expectStride(plan, "bins[0].cellWidth", sizeof(glsl::TessBin));
+  expectOffset(plan, variable, "bins[0].stackCount", offsetof(glsl::TessBin, stackCount));
+  expectOffset(plan, variable, "bins[0].spare", offsetof(glsl::TessBin, spare));
+  expectOffset(plan, variable, "bins[0].provided", offsetof(glsl::TessBin, provided));
+  expectStride(plan, "runs[0].firstCell", sizeof(glsl::TessRun));
+  expectOffset(plan, variable, "runs[0].columns", offsetof(glsl::TessRun, columns));
+  using State = glsl::TessAtlasState;
+  for (const auto& [name, offset] :
+       {std::pair<const char*, std::size_t>{"config.height", offsetof(State, config.height)},
+        {"config.views", offsetof(State, config.views)},
+        {"config.hysteresis", offsetof(State, config.hysteresis)},
+        {"config.limits.columns", offsetof(State, config.limits.columns)},
+        {"config.pressure.highWater", offsetof(State, config.pressure.highWater)},
+        {"config.pressure.adapts", offsetof(State, config.pressure.adapts)},
+        {"requestGroupsX", offsetof(State, requestGroupsX)},
+        {"epoch", offsetof(State, epoch)},
+        {"rectCount", offsetof(State, rectCount)},
+        {"liveTexels", offsetof(State, liveTexels)},
+        {"wantedTexels", offsetof(State, wantedTexels)},
+        {"bias", offsetof(State, bias)},
+        {"pressure.target", offsetof(State, pressure.target)},
+        {"pressure.reset", offsetof(State, pressure.reset)},
+        {"events.failures", offsetof(State, events.failures)},
+        {"events.outside", offsetof(State, events.outside)},
+        {"rects[0].x", offsetof(State, rects)},
+        {"rects[0].height", offsetof(State, rects) + offsetof(glsl::FreeRect, height)},
+        {"ideal[0].low", offsetof(State, ideal)},
+        {"ideal[0].singles", offsetof(State, ideal) + offsetof(glsl::TessIdeal, singles)}})
+    expectOffset(plan, variable, std::string("atlas.") + name, offset);
+  const GLuint emit = use({"pass/tess_emit.comp"}, {});
+  expectStride(emit, "entries[0].place0", sizeof(glsl::TessEntry));
+  expectOffset(emit, variable, "entries[0].shape.form", offsetof(glsl::TessEntry, shape.form));
+  expectOffset(emit, variable, "entries[0].place1", offsetof(glsl::TessEntry, place1));
+  expectOffset(emit, variable, "entries[0].vertex2", offsetof(glsl::TessEntry, vertex2));
+  expectOffset(emit, variable, "entries[0].instance", offsetof(glsl::TessEntry, instance));
+  expectStride(emit, "drawVertices[0].x", sizeof(glsl::TessVertex));
+  expectOffset(emit, variable, "drawVertices[0].w", offsetof(glsl::TessVertex, w));
+  expectStride(emit, "commands[0].count", sizeof(glsl::TessCommand));
+  expectOffset(emit, variable, "commands[0].first", offsetof(glsl::TessCommand, first));
+  const GLuint scan = use({"pass/tess_scan.comp"}, {});
+  expectStride(scan, "groups[0].x", sizeof(glsl::TessGroups));
+  expectOffset(scan, variable, "groups[0].samples", offsetof(glsl::TessGroups, samples));
 }
 
 TEST_F(Layout, UniformBlocks) {

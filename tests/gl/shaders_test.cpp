@@ -52,16 +52,26 @@ std::vector<std::string> permutationsOf(const std::string& path) {
       for (const char* more : {"", " WRITE_ID", " WRITE_ID LAYERS", " SHADOW_LAYER"})
         all.push_back(defines + more);
   } else if (path == "pass/depth.frag" || path == "pass/id.frag" || path == "pass/display.vert" ||
-             path == "pass/display.frag") {
+             path == "pass/display.frag" || path == "pass/tess_display.vert" ||
+             path == "pass/tess_display.frag") {
     all = depth;
   } else if (path == "pass/visible_mark.comp") {
-    all = {"", "LAYERS"};
+    all = {"", "LAYERS", "TRIANGLES", "TRIANGLES LAYERS"};
   } else if (path == "pass/debug_screen.comp") {
     all = {"MODE=0", "MODE=1", "MODE=2", "MODE=3"};
-  } else if (path == "pass/rect_measure.comp") {
+  } else if (path == "pass/rect_measure.comp" || path == "pass/tess_measure.comp") {
     all = {"", "FOVEATE", "LENS", "FOVEATE LENS"};
   } else if (path == "pass/display_deferred.comp") {
-    all = {"", "LINEAR_ATLAS"};
+    all = {"", "LINEAR_ATLAS", "TRIANGLES", "TRIANGLES LINEAR_ATLAS"};
+  } else if (path == "pass/tess_gather.comp" || path == "pass/tess_raster.frag" ||
+             path == "pass/tess_spawn.tesc" || path == "pass/tess_spawn.tese") {
+    // What gathers is never masked, and never blends.
+    const std::string group = path == "pass/tess_gather.comp" ? " GROUP=64" : "";
+    for (const std::string& defines : surface)
+      if (defines.find("MASK") == std::string::npos && defines.find("BLEND") == std::string::npos)
+        for (const char* encoded : {"", " ENCODED"}) all.push_back(defines + group + encoded);
+    if (!group.empty())
+      for (const char* other : {"32", "128", "256", "512"}) all.push_back(std::string("GROUP=") + other);
   } else {
     all = {""};
   }
@@ -101,6 +111,8 @@ TEST_F(Shaders, AllCompileHere) {
     const std::string ending = std::filesystem::path(one.path).extension().string();
     const GLenum stage = ending == ".vert"   ? GL_VERTEX_SHADER
                          : ending == ".frag" ? GL_FRAGMENT_SHADER
+                         : ending == ".tesc" ? GL_TESS_CONTROL_SHADER
+                         : ending == ".tese" ? GL_TESS_EVALUATION_SHADER
                                              : GL_COMPUTE_SHADER;
     const GLuint shader = gl::api().CreateShader(stage);
     const char* source = text->c_str();

@@ -11,15 +11,26 @@ namespace {
 struct KindName {
   std::string_view name;
   Kind kind;
+  Sampling sampling = Sampling::Rect;
 };
-constexpr std::array<KindName, 8> kKinds = {{{"forward", Kind::Forward},
-                                             {"forward-prepass", Kind::ForwardPrepass},
-                                             {"forward-lanczos", Kind::ForwardLanczos},
-                                             {"forward-stereo", Kind::ForwardStereo},
-                                             {"warp-stereo", Kind::WarpStereo},
-                                             {"rect", Kind::Rect},
-                                             {"rect-deferred", Kind::RectDeferred},
-                                             {"rect-stereo", Kind::RectStereo}}};
+constexpr std::array<KindName, 17> kKinds = {
+    {{"forward", Kind::Forward},
+     {"forward-prepass", Kind::ForwardPrepass},
+     {"forward-lanczos", Kind::ForwardLanczos},
+     {"forward-stereo", Kind::ForwardStereo},
+     {"warp-stereo", Kind::WarpStereo},
+     {"rect", Kind::Rect},
+     {"rect-deferred", Kind::RectDeferred},
+     {"rect-stereo", Kind::RectStereo},
+     {"tess", Kind::Rect, Sampling::Tess},
+     {"tess-deferred", Kind::RectDeferred, Sampling::Tess},
+     {"tess-stereo", Kind::RectStereo, Sampling::Tess},
+     {"lpack", Kind::Rect, Sampling::LPack},
+     {"lpack-deferred", Kind::RectDeferred, Sampling::LPack},
+     {"lpack-stereo", Kind::RectStereo, Sampling::LPack},
+     {"oversample", Kind::Rect, Sampling::Oversample},
+     {"oversample-deferred", Kind::RectDeferred, Sampling::Oversample},
+     {"oversample-stereo", Kind::RectStereo, Sampling::Oversample}}};
 
 /// The number after "key=", in [least, most].
 Result<double> numberOf(std::string_view value, double least, double most) {
@@ -47,6 +58,7 @@ Result<void> apply(Method& method, std::string_view setting) {
     method.atlas.pressureBias = false;
     return {};
   }
+  if (key == "slanted") return set(method.atlas.slanted, 1.0, 1e6);
   if (key == "bias") return set(method.atlas.bias, -8.0, 16.0);
   if (key == "texbias") return set(method.atlas.textureBias, -2.0, 1.0);
   PlaceOptions& placing = method.spatial.options;
@@ -58,7 +70,7 @@ Result<void> apply(Method& method, std::string_view setting) {
     if (!placing.lens) placing.lens.emplace();
     return {};
   }
-  return fail("not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, foveate, lens");
+  return fail("not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, foveate, lens");
 }
 
 }  // namespace
@@ -70,16 +82,19 @@ Result<Method> parseMethod(const std::string& text, const AtlasChoice& atlas, co
   method.name = text;
   std::string names;
   bool known = false;
+  Sampling sampling = Sampling::Rect;
   for (const KindName& kind : kKinds) {
     names += names.empty() ? "" : ", ";
     names += kind.name;
     if (kind.name != name) continue;
     method.kind = kind.kind;
+    sampling = kind.sampling;
     known = true;
   }
   if (!known) return fail("--methods {}: '{}' is not one of {}", text, name, names);
   if (method.usesAtlas()) {
     method.atlas = atlas;
+    method.atlas.sampling = sampling;
     method.spatial = spatial;
   }
   if (colon == std::string::npos) return method;

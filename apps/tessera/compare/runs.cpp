@@ -33,7 +33,9 @@ Result<Series> Runs::run(const Method& method, Progress& progress) {
   if (method.usesAtlas()) {
     auto setup = engineOptions(method.atlas);
     if (!setup) return tl::unexpected(setup.error());
-    if (auto made = engine_.remakeAtlas(setup->atlas.memory); !made) return tl::unexpected(made.error());
+    auto made = setup->gatherer == GathererKind::Tess ? engine_.remakeAtlas(setup->tess)
+                                                      : engine_.remakeAtlas(setup->atlas.memory);
+    if (!made) return tl::unexpected(made.error());
   }
   for (int i = 0; i < options_.warmup; ++i)
     if (auto drawn = drawFrame(engine_, method, views_.front(), {.eyeDistance = options_.eyeDistance});
@@ -49,8 +51,10 @@ Result<Series> Runs::run(const Method& method, Progress& progress) {
 }
 
 double Runs::resets() const {
-  return engine_.atlas() == nullptr ? 0.0
-                                    : static_cast<double>(engine_.atlas()->memory().readStatistics().resets);
+  if (const TessAtlas* tess = engine_.tess())
+    return static_cast<double>(tess->memory().readStatistics().resets);
+  const RectAtlas* atlas = engine_.atlas();
+  return atlas == nullptr ? 0.0 : static_cast<double>(atlas->memory().readStatistics().resets);
 }
 
 Result<void> Runs::frame(const Method& method, std::size_t f, Series& series) {
@@ -66,11 +70,10 @@ Result<void> Runs::frame(const Method& method, std::size_t f, Series& series) {
     drawn = std::move(*frame);
     runs.push_back(drawn.times);
   }
-  const bool atlas = method.usesAtlas() && engine_.atlas() != nullptr;
+  const bool atlas = method.usesAtlas() && engine_.gatherer() != nullptr;
   // Forward counts fragment-shader invocations. The atlas shades each allocated texel once, whatever the
   // rasterizer runs besides (some count the unlit lanes of its 2 x 2 quads).
-  record(series, medianTimes(runs),
-         atlas ? engine_.atlas()->memory().readStatistics().samples : drawn.invocations);
+  record(series, medianTimes(runs), atlas ? engine_.gatherer()->readSamples() : drawn.invocations);
   series.invocations.push_back(static_cast<double>(drawn.invocations));
   if (!method.usesAtlas() && drawn.passed > 0) {
     series.passed.push_back(static_cast<double>(drawn.passed));
@@ -96,16 +99,26 @@ Result<void> Runs::frame(const Method& method, std::size_t f, Series& series) {
 }
 
 void Runs::keepAtlasNumbers(std::size_t f, Series& series) const {
+  series.triangles.push_back(static_cast<double>(engine_.visibleTriangles()));
+  if (engine_.gatherer()->atlas().format == AtlasFormat::Rgba16f)
+    series.nonFinite = (f == 0 ? 0.0 : series.nonFinite) + static_cast<double>(engine_.nonFiniteTexels());
+  if (const TessAtlas* tess = engine_.tess()) {
+    const TessStatistics stats = tess->memory().readStatistics();
+    series.allocated.push_back(static_cast<double>(stats.samples));
+    series.live.push_back(static_cast<double>(stats.liveTexels));
+    series.partly.push_back(0.0);
+    series.patches.push_back(static_cast<double>(stats.visible));
+    series.bias.push_back(static_cast<double>(stats.bias));
+    series.outOfMemory += static_cast<double>(stats.failures);
+    return;
+  }
   const RectStatistics stats = engine_.atlas()->memory().readStatistics();
   series.allocated.push_back(static_cast<double>(stats.samples));
   series.live.push_back(static_cast<double>(stats.liveTexels));
   series.partly.push_back(static_cast<double>(engine_.samplesPartlyInView(views_[f].view)));
   series.patches.push_back(static_cast<double>(stats.visiblePatches));
-  series.triangles.push_back(static_cast<double>(engine_.visibleTriangles()));
   series.bias.push_back(static_cast<double>(stats.bias));
   series.outOfMemory += static_cast<double>(stats.failures);
-  if (engine_.atlas()->format() == AtlasFormat::Rgba16f)
-    series.nonFinite = (f == 0 ? 0.0 : series.nonFinite) + static_cast<double>(engine_.nonFiniteTexels());
 }
 
 void Runs::keepPictures(std::size_t f, const Image& picture, const Quality& quality, bool atlas,

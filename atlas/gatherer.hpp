@@ -1,0 +1,71 @@
+// What the engine asks of a way to fill an atlas: place the visible set, be shaded into by whoever owns the
+// materials, and be drawn from for any view. The stages are apart, so that each runs at its own rate.
+#pragma once
+
+#include <cstdint>
+
+#include "atlas/visible_set.hpp"
+#include "engine/gl/program.hpp"
+
+namespace tessera {
+
+enum class AtlasFormat : std::uint8_t {
+  Srgb8,   // display-encoded 8 bits a channel: what a video codec takes
+  Rgba16f  // linear half floats: nothing is lost, and a value that is not finite can be found
+};
+
+/// The texture that a gatherer fills.
+struct AtlasTexture {
+  gl::Texture texture;
+  gl::Texture encoded;                 // a view of its encoded values, where the format has them
+  gl::Framebuffer framebuffer;         // of texture
+  gl::Framebuffer encodedFramebuffer;  // of encoded: what is written is encoded already
+  AtlasFormat format = AtlasFormat::Srgb8;
+
+  /// Cleared to zero. Fails when a side is past this context's limit.
+  static Result<AtlasTexture> create(int width, int height, AtlasFormat format);
+  /// The texture as display samples it: encoded values where the format has them, so that a fetch is a copy.
+  [[nodiscard]] const gl::Texture& display() const { return encoded ? encoded : texture; }
+};
+
+class Gatherer {
+ public:
+  Gatherer() = default;
+  Gatherer(Gatherer&&) = default;
+  Gatherer& operator=(Gatherer&&) = default;
+  Gatherer(const Gatherer&) = delete;
+  Gatherer& operator=(const Gatherer&) = delete;
+  virtual ~Gatherer() = default;
+
+  /// Level of each visible element; the views are in the uniform buffer BIND_VIEWS. `measure` is another
+  /// permutation of the measuring pass, or null for the plain one.
+  virtual void selectLevels(const VisibleSet& visible, std::uint32_t viewCount,
+                            const gl::Program* measure) = 0;
+  /// Afterwards every visible element has a place, be it a texel.
+  virtual void allocate(const VisibleSet& visible) = 0;
+  /// Writes what shading and display draw.
+  virtual void emit(const VisibleSet& visible) = 0;
+
+  /// Binds vertices and buffers that gather and display read.
+  virtual void bind() const = 0;
+  /// Before the first batch is shaded: binds what is written.
+  virtual void beginShading() const;
+  /// Shades what is visible of a batch, with its gather program in use.
+  virtual void shadeBatch(const gl::Program& program, std::uint32_t batch) const = 0;
+  /// After the last batch.
+  virtual void endShading() const {}
+  /// Draws consecutive batches for display, with a display program in use.
+  virtual void drawBatches(std::uint32_t first, std::uint32_t count) const = 0;
+
+  /// Whether its gather program draws over the texture, and takes LOCATION_SIZE.
+  [[nodiscard]] virtual bool rasters() const { return true; }
+  /// Whether its gather program writes encoded values where the format has them; else the framebuffer
+  /// encodes.
+  [[nodiscard]] virtual bool encodes() const { return false; }
+  [[nodiscard]] virtual const AtlasTexture& atlas() const = 0;
+  /// Texels of the atlas that the last allocate() wants shaded; blocking readback.
+  [[nodiscard]] virtual std::uint64_t readSamples() const = 0;
+  [[nodiscard]] virtual std::size_t bytes() const = 0;
+};
+
+}  // namespace tessera

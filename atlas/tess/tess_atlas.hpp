@@ -1,0 +1,88 @@
+// The tessellation gatherer (Hladky 2019): each visible triangle has a slot of its own, whose samples are
+// even on the picture.
+#pragma once
+
+#include <span>
+
+#include "atlas/gatherer.hpp"
+#include "atlas/tess/tess_memory.hpp"
+#include "glsl/shared/blocks.h"
+
+namespace tessera {
+
+/// How samples are spawned. All write the same texels.
+enum class TessGather : std::uint8_t {
+  Raster,   // a fragment a texel of the slots' rectangles
+  Compute,  // a thread a sample, over a prefix sum of the triangles' samples
+  Tess      // a tessellation vertex a sample (Hladky 2019, sec. 3.1)
+};
+
+struct TessSpawn {
+  TessGather gather = TessGather::Compute;
+  int group = 64;  // threads of a group of TessGather::Compute: 32, 64, 128, 256 or 512
+};
+
+struct TessAtlasOptions {
+  TessMemoryOptions memory;
+  AtlasFormat format = AtlasFormat::Srgb8;
+  TessSpawn spawn;
+};
+
+/// Fails for a group that is not one of the five.
+Result<void> check(const TessSpawn& spawn);
+
+class TessAtlas final : public Gatherer {
+ public:
+  /// Fails where check(spawn) does, an option is out of range, or the texture is past this context's limits.
+  /// `triangles` is the number of triangle numbers, see triangleNumber; `batches` the triangles of each.
+  static Result<TessAtlas> create(gl::ProgramCache& programs, const TessAtlasOptions& options,
+                                  std::uint32_t triangles, std::span<const glsl::BatchGpu> batches);
+
+  void selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure) override;
+  void allocate(const VisibleSet& visible) override;
+  void emit(const VisibleSet& visible) override;
+  void bind() const override;
+  void beginShading() const override;
+  void shadeBatch(const gl::Program& program, std::uint32_t batch) const override;
+  void drawBatches(std::uint32_t first, std::uint32_t count) const override;
+  [[nodiscard]] bool rasters() const override { return spawn_.gather == TessGather::Raster; }
+  [[nodiscard]] bool encodes() const override { return true; }
+  [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
+  [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
+  void endShading() const override;
+  [[nodiscard]] std::size_t bytes() const override;
+
+  /// The files of the gather program, and what they are compiled with besides the material's switches.
+  struct GatherProgram {
+    std::vector<std::string> files;
+    gl::Defines defines;
+  };
+  static GatherProgram gatherProgram(const TessAtlasOptions& options);
+  /// Another way to spawn the samples of what is placed, from the next beginShading() on. The programs must
+  /// be its own.
+  void setSpawn(const TessSpawn& spawn) { spawn_ = spawn; }
+
+  [[nodiscard]] const TessMemory& memory() const { return memory_; }
+  [[nodiscard]] TessMemory& memory() { return memory_; }
+
+ private:
+  TessMemory memory_;
+  AtlasTexture atlas_;
+  std::uint32_t batchCount_ = 0;
+  TessSpawn spawn_;
+  gl::Buffer entryOf_;   // uint[triangles]: its entry
+  gl::Buffer entries_;   // TessEntry[entries]
+  gl::Buffer vertices_;  // TessVertex[3 * entries]
+  gl::Buffer batches_;   // BatchGpu[batches]
+  gl::Buffer commands_;  // TessCommand[3 * batches]: display, raster, pieces
+  gl::Buffer emptyCommands_;
+  gl::Buffer pieces_;  // uvec2[]: entry, first sample
+  gl::Buffer starts_;  // uint[entries]
+  gl::Buffer groups_;  // TessGroups[batches]
+  gl::VertexArray displayArray_;
+  gl::VertexArray gatherArray_;
+  const gl::Program* emit_ = nullptr;
+  const gl::Program* scan_ = nullptr;
+};
+
+}  // namespace tessera

@@ -1,0 +1,17 @@
+// Where a triangle's samples have a place in even coordinates: atlas texels, centres at .5.
+vec2 atlasOfEven(TessShape shape, uint place0, uint place1, vec3 even) {
+  uint kind = kindOf(shape.kind);
+  if (kind == kTessL) {
+    uint level = levelOfKind(shape.kind);
+    return lAtlasAt(lDecodeExact(even, level), uvec2(placeX(place0), placeY(place0)), level, placeTurned(place0) != 0u);
+  }
+  if (kind == kTessOver) {
+    OverShape over = overOfShape(shape);
+    OverPoint point = overDecode(even, over);
+    uint place = point.side == 0u ? place0 : place1;
+    bool turned = placeTurned(place) != 0u;
+    uvec2 corner = overCorner(uvec2(placeX(place), placeY(place)), overColumns(over, point.side), over.rows, turned);
+    return overAtlasAt(point.at, corner, turned);
+  }
+  return vec2(float(placeX(place0)), float(placeY(place0))) + 0.5;
+}

@@ -1,0 +1,613 @@
+// The tessellation gatherer end to end on scenes made in code: against forward, against itself by every way
+// to spawn samples, and on triangles that are hard to sample.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include "engine/frame/engine.hpp"
+#include "engine/measure/metrics.hpp"
+#include "glsl/shared/tess_atlas.h"
+#include "tests/frame/pictures.hpp"
+#include "tests/frame/small_scenes.hpp"
+#include "tests/gl_test.hpp"
+
+namespace tessera {
+namespace {
+
+using TessFrame = test::GlTest;
+using test::countCovered;
+using test::largestDifference;
+using test::meanDifference;
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+
+TessAtlasOptions tessAtlas(AtlasFormat format = AtlasFormat::Srgb8, float slanted = 4.0f) {
+  TessAtlasOptions options;
+  options.memory.width = 1024;
+  options.memory.height = 1024;
+  options.memory.slanted = slanted;
+  options.memory.pressureBias = false;
+  options.format = format;
+  return options;
+}
+
+EngineOptions optionsOf(const TessAtlasOptions& tess) {
+  EngineOptions options;
+  options.gatherer = GathererKind::Tess;
+  options.tess = tess;
+  options.atlas.memory.width = options.atlas.memory.height = 1024;
+  options.atlas.memory.pressureBias = false;
+  options.atlas.format = tess.format;
+  options.splitEdges = 0.0;
+  options.shadowSize = 256;
+  options.request.displayDeferred = true;
+  return options;
+}
+
+std::unique_ptr<Engine> make(Scene scene, const TessAtlasOptions& tess = tessAtlas(),
+                             std::optional<Stage> stage = {}) {
+  auto engine = Engine::create(test::context(), std::move(scene), std::move(stage), optionsOf(tess));
+  if (!engine) {
+    ADD_FAILURE() << engine.error().message;
+    return nullptr;
+  }
+  (*engine)->update(0.0);
+  return std::move(*engine);
+}
+
+View cornerView() { return lookAt({4.5, 2.2, 1.5}, {1.5, 0.9, -2.0}, 60.0, kWidth, kHeight, 0.05); }
+View frontView() { return lookAt({0, 0, 0}, {0, 0, -1}, 60.0, kWidth, kHeight, 0.01); }
+
+Image forwardOf(Engine& engine, const View& view) {
+  engine.forward(view);
+  return engine.readColor();
+}
+Image drawn(Engine& engine, const View& view, DisplayMode mode = DisplayMode::Geometry) {
+  engine.rect(view, mode);
+  return engine.readColor();
+}
+
+/// The shapes of what is visible.
+std::vector<glsl::TessShape> shapesOf(const Engine& engine) {
+  const auto states = engine.tess()->memory().readStates();
+  std::vector<glsl::TessShape> shapes;
+  for (const std::uint32_t triangle : engine.visibleSet()->read()) shapes.push_back(states[triangle].shape);
+  return shapes;
+}
+std::set<std::uint32_t> kindsOf(const Engine& engine) {
+  std::set<std::uint32_t> kinds;
+  for (const auto& shape : shapesOf(engine)) kinds.insert(glsl::kindOf(shape.kind));
+  return kinds;
+}
+std::set<std::uint32_t> levelsOf(const Engine& engine) {
+  std::set<std::uint32_t> levels;
+  for (const auto& shape : shapesOf(engine))
+    if (glsl::kindOf(shape.kind) == glsl::kTessL) levels.insert(glsl::levelOfKind(shape.kind));
+  return levels;
+}
+
+/// What the atlas held is gone; texels that are not shaded anew show.
+void blackenAtlas(Engine& engine) {
+  gl::api().ClearTexImage(engine.gatherer()->atlas().texture.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
+}
+
+/// The texels as they are stored.
+std::vector<std::uint8_t> texelsOf(const Engine& engine) {
+  const AtlasTexture& atlas = engine.gatherer()->atlas();
+  gl::api().MemoryBarrier(GL_ALL_BARRIER_BITS);
+  return atlas.format == AtlasFormat::Rgba16f
+             ? gl::readTexture(atlas.texture, GL_RGBA, GL_HALF_FLOAT, 8)
+             : gl::readTexture(atlas.display(), GL_RGBA, GL_UNSIGNED_BYTE, 4);
+}
+
+/// A triangle list; normals towards +z, uv0 = (x, y), white.
+std::uint32_t addTriangles(Scene& scene, const std::vector<glm::vec3>& corners, std::uint32_t material) {
+  Primitive primitive;
+  primitive.firstVertex = static_cast<std::uint32_t>(scene.vertices.position.size());
+  primitive.firstIndex = static_cast<std::uint32_t>(scene.indices.size());
+  primitive.material = material;
+  for (const glm::vec3& corner : corners) {
+    scene.indices.push_back(static_cast<std::uint32_t>(scene.vertices.position.size()));
+    scene.vertices.position.push_back(corner);
+    scene.vertices.normal.emplace_back(0.0f, 0.0f, 1.0f);
+    scene.vertices.uv0.emplace_back(corner.x, corner.y);
+    scene.vertices.color.emplace_back(1.0f);
+    primitive.bounds.add(glm::dvec3(corner));
+  }
+  primitive.vertexCount = static_cast<std::uint32_t>(corners.size());
+  primitive.indexCount = primitive.vertexCount;
+  scene.primitives.push_back(primitive);
+  return static_cast<std::uint32_t>(scene.primitives.size() - 1);
+}
+
+struct Method {
+  const char* name;
+  float slanted;
+};
+constexpr std::array<Method, 3> kMethods = {Method{"tess", 4.0f},
+                                            Method{"lpack", TessMemoryOptions::kNoneSlanted},
+                                            Method{"oversample", TessMemoryOptions::kAllSlanted}};
+
+TEST_F(TessFrame, PicturesAreAsGoodAsTheRectangularAtlas) {
+  for (const bool textured : {false, true}) {
+    Scene scene = test::cornerScene(!textured);
+    if (textured) scene.materials[1].baseColor.image = test::addCheckers(scene, 128, 8);
+    test::finish(scene);
+    // Ramps in linear values: what is linear comes back as it was. 8-bit encoded values bend between texels.
+    const AtlasFormat format = textured ? AtlasFormat::Srgb8 : AtlasFormat::Rgba16f;
+    auto engine = make(std::move(scene), tessAtlas(format));
+    ASSERT_TRUE(engine);
+    const View view = cornerView();
+    const Image forward = forwardOf(*engine, view);
+    RectMemoryOptions memory;
+    memory.width = memory.height = 1024;
+    memory.pressureBias = false;
+    ASSERT_TRUE(engine->remakeAtlas(memory));
+    const auto rect = psnr(forward, drawn(*engine, view));
+    ASSERT_TRUE(rect);
+    const auto samples = engine->gatherer()->readSamples();
+    for (const Method& method : kMethods) {
+      ASSERT_TRUE(engine->remakeAtlas(tessAtlas(format, method.slanted)));
+      const Image image = drawn(*engine, view);
+      EXPECT_EQ(countCovered(image), countCovered(forward)) << method.name;
+      const auto quality = psnr(forward, image);
+      ASSERT_TRUE(quality);
+      std::printf("%s, %s: %.1f dB, %.2f times rect's samples; rect %.1f dB\n",
+                  textured ? "checkers" : "ramps", method.name, *quality,
+                  static_cast<double>(engine->gatherer()->readSamples()) / static_cast<double>(samples),
+                  *rect);
+      // Ramps are off by less than a level here and there: 3 dB are 1.4 times as often.
+      EXPECT_GT(*quality, *rect - (textured ? 0.0 : 3.0)) << method.name << (textured ? " textured" : "");
+    }
+  }
+}
+
+/// A floor to the camera's feet of two triangles, a wall of middling ones and one of less than a pixel, a
+/// slanted board; textured, normal-mapped and lit.
+Scene everythingScene() {
+  Scene scene = test::emptyScene();
+  Material material;
+  material.roughnessFactor = 0.4f;
+  material.baseColor.image = test::addCheckers(scene, 64, 8);
+  material.normal.image = material.baseColor.image;
+  const auto lit = test::addMaterial(scene, material);
+  test::place(scene, test::addGrid(scene, {-3, -1, 2}, {6, 0, 0}, {0, 0, -8}, 1, 1, lit));
+  test::place(scene, test::addGrid(scene, {-3, -1, -6}, {6, 0, 0}, {0, 3, 0}, 7, 5, lit));
+  test::place(scene, test::addGrid(scene, {-1, 0.5f, -4}, {0.9f, 0, 0}, {0, 0.9f, 0}, 90, 90, lit));
+  test::place(scene, test::addGrid(scene, {0.4f, -0.9f, -1}, {0.1f, 0, -2}, {0, 1.2f, 0}, 1, 9, lit));
+  scene.vertices.tangent.assign(scene.vertices.position.size(), glm::vec4(1, 0, 0, 1));
+  test::finish(scene);
+  return scene;
+}
+
+Stage lampStage() {
+  Stage stage;
+  StageLight lamp;
+  lamp.light.type = LightType::Point;
+  lamp.light.castsShadow = true;
+  lamp.keys.push_back({0.0, {0.5, 1.5, -1.0}, {0, 0, -4}, glm::vec3(1.0f), 30.0f});
+  stage.lights.push_back(lamp);
+  stage.ambient = Ambient{glm::vec3(0.2f), glm::vec3(0.1f)};
+  return stage;
+}
+
+TEST_F(TessFrame, AllWaysToSpawnWriteTheSameTexels) {
+  const View view = frontView();
+  for (const AtlasFormat format : {AtlasFormat::Srgb8, AtlasFormat::Rgba16f}) {
+    auto engine = make(everythingScene(), tessAtlas(format), lampStage());
+    ASSERT_TRUE(engine);
+    engine->findVisible({&view, 1});
+    ASSERT_TRUE(engine->place({&view, 1}));
+    EXPECT_EQ(kindsOf(*engine).size(), 3u) << "the scene has all kinds";
+    EXPECT_GT(*levelsOf(*engine).rbegin(), 64u);
+    std::vector<std::uint8_t> first;
+    std::vector<TessSpawn> ways = {
+        {TessGather::Compute, 64}, {TessGather::Tess, 64}, {TessGather::Raster, 64}};
+    if (format == AtlasFormat::Srgb8) ways.push_back({TessGather::Compute, 512});
+    for (const TessSpawn& spawn : ways) {
+      blackenAtlas(*engine);
+      ASSERT_TRUE(engine->setSpawn(spawn));
+      engine->shade(view);
+      const auto texels = texelsOf(*engine);
+      if (first.empty()) first = texels;
+      const std::size_t texel = format == AtlasFormat::Rgba16f ? 8 : 4;
+      std::size_t differing = 0;
+      std::size_t shaded = 0;
+      for (std::size_t i = 0; i < texels.size(); i += texel) {
+        differing += std::memcmp(&texels[i], &first[i], texel) != 0 ? 1 : 0;
+        shaded += texels[i + texel - 1] != 0 ? 1 : 0;  // alpha
+      }
+      EXPECT_EQ(differing, 0u) << "way " << static_cast<int>(spawn.gather) << ", group " << spawn.group;
+      const auto wanted = engine->gatherer()->readSamples();
+      EXPECT_LE(shaded, wanted);
+      EXPECT_GT(static_cast<double>(shaded), 0.97 * static_cast<double>(wanted));
+    }
+  }
+}
+
+TEST_F(TessFrame, WaysToSpawnThatAreNoneAreRefused) {
+  auto engine = make(test::cornerScene());
+  ASSERT_TRUE(engine);
+  const Image before = drawn(*engine, cornerView());
+  for (const int group : {0, 1, 65, 1024, -64}) {
+    const auto set = engine->setSpawn({TessGather::Compute, group});
+    ASSERT_FALSE(set);
+    EXPECT_NE(set.error().message.find(std::to_string(group)), std::string::npos) << set.error().message;
+  }
+  EXPECT_EQ(drawn(*engine, cornerView()).pixels, before.pixels);
+}
+
+TEST_F(TessFrame, DeferredDisplayEqualsGeometryDisplay) {
+  for (const Method& method : kMethods) {
+    Scene scene = test::cornerScene();
+    scene.nodes.emplace_back();
+    scene.nodes.back().scale = {-1, 1, 1};
+    scene.nodes.back().translation = {3.4, 0.2, 0.6};
+    scene.instances.push_back({1, 3});
+    test::finish(scene);
+    auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Srgb8, method.slanted));
+    ASSERT_TRUE(engine);
+    const View view = cornerView();
+    const Image geometry = drawn(*engine, view);
+    engine->display(view, DisplayMode::Deferred);
+    const Image deferred = engine->readColor();
+    EXPECT_EQ(countCovered(geometry), countCovered(deferred)) << method.name;
+    EXPECT_LT(meanDifference(geometry, deferred), 0.02) << method.name;
+    EXPECT_LE(largestDifference(geometry, deferred), 6) << method.name;
+  }
+}
+
+// ---- several views, foveation, lens ----
+
+/// A white wall behind a board that hides other parts of it from either eye. What is not shaded is black.
+Scene whiteScene() {
+  Scene scene = test::emptyScene();
+  const auto white = test::addMaterial(scene, test::unlit());
+  test::place(scene, test::addGrid(scene, {-4, -3, -4}, {8, 0, 0}, {0, 6, 0}, 40, 30, white));
+  test::place(scene, test::addGrid(scene, {-0.3f, -0.4f, -1}, {0.6f, 0, 0}, {0, 0.8f, 0}, 4, 4, white));
+  test::finish(scene);
+  return scene;
+}
+
+/// Covered pixels that are not white.
+std::size_t darkPixels(const Image& image) {
+  std::size_t dark = 0;
+  for (std::size_t i = 0; i < image.pixels.size(); i += 4)
+    dark +=
+        image.pixels[i + 3] > 0 && std::min({image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]}) < 250
+            ? 1
+            : 0;
+  return dark;
+}
+
+TEST_F(TessFrame, WhatOneEyeSeesIsShadedForBoth) {
+  auto engine = make(whiteScene());
+  ASSERT_TRUE(engine);
+  const View centre = frontView();
+  const auto eyes = stereoViews(centre, 0.2);
+  std::array<std::set<std::uint32_t>, 2> seen;
+  for (std::size_t i = 0; i < 2; ++i) {
+    engine->findVisible({&eyes[i], 1});
+    const auto list = engine->visibleSet()->read();
+    seen[i] = {list.begin(), list.end()};
+  }
+  EXPECT_TRUE(std::any_of(seen[0].begin(), seen[0].end(), [&](auto t) { return seen[1].count(t) == 0; }));
+  blackenAtlas(*engine);
+  engine->findVisible(eyes);
+  ASSERT_TRUE(engine->place(eyes));
+  const auto states = engine->tess()->memory().readStates();
+  for (const auto& one : seen)
+    for (const std::uint32_t triangle : one) EXPECT_NE(states[triangle].shape.kind, glsl::kTessNone);
+  engine->shade(centre);
+  for (std::size_t i = 0; i < 2; ++i) {
+    engine->display(eyes[i]);
+    const Image shown = engine->readColor();
+    EXPECT_EQ(darkPixels(shown), 0u) << "eye " << i;
+    EXPECT_EQ(countCovered(shown), countCovered(forwardOf(*engine, eyes[i]))) << "eye " << i;
+  }
+}
+
+TEST_F(TessFrame, FoveationAndLensTakeSamplesAndLeaveNoHoles) {
+  auto engine = make(whiteScene());
+  ASSERT_TRUE(engine);
+  const View view = frontView();
+  const auto samples = [&](const PlaceOptions& options) {
+    engine->tess()->memory().reset();
+    engine->findVisible({&view, 1});
+    EXPECT_TRUE(engine->place({&view, 1}, options));
+    const auto count = engine->gatherer()->readSamples();
+    blackenAtlas(*engine);
+    engine->shade(view);
+    engine->display(view);
+    EXPECT_EQ(darkPixels(engine->readColor()), 0u);
+    return static_cast<double>(count);
+  };
+  const double plain = samples({});
+  const Foveation sharpInTheMiddle{{0.5, 0.5}, 0.05, 0.5};
+  const double foveated = samples({.foveation = sharpInTheMiddle});
+  const double bent = samples({.lens = Lens{}});
+  EXPECT_LT(foveated, 0.6 * plain);
+  EXPECT_LT(bent, 0.95 * plain) << "the lens presses only the wall's outer part together";
+  EXPECT_LT(samples({.foveation = sharpInTheMiddle, .lens = Lens{}}), std::min(foveated, bent));
+  EXPECT_EQ(samples({}), plain) << "something of them stayed on";
+}
+
+// ---- triangles that are hard to sample ----
+
+TEST_F(TessFrame, HardTrianglesHaveNoHolesAndFiniteTexels) {
+  Scene scene = test::emptyScene();
+  Material white = test::unlit();
+  white.doubleSided = true;
+  const auto index = test::addMaterial(scene, white);
+  const std::vector<glm::vec3> corners = {// needles, one of 1e7 to 1
+                                          {-2, 1, -3},
+                                          {2, 1.002f, -3},
+                                          {2, 1, -3},
+                                          {-2, 0.9f, -3},
+                                          {2, 0.9f + 4e-7f, -3},
+                                          {2, 0.9f, -3},
+                                          {-1, -1, -3},
+                                          {1, 1, -3},
+                                          {1.0005f, 1.01f, -3},
+                                          // no area: on a line, and a point
+                                          {-1, 0.5f, -3},
+                                          {0, 0.5f, -3},
+                                          {1, 0.5f, -3},
+                                          {0.3f, 0.3f, -2},
+                                          {0.3f, 0.3f, -2},
+                                          {0.3f, 0.3f, -2},
+                                          // with a corner behind the eye, and two
+                                          {-1, -0.6f, -5},
+                                          {1, -0.6f, -5},
+                                          {0.2f, -0.3f, 2},
+                                          {-6, -1, -8},
+                                          {-1.5f, 0.3f, 3},
+                                          {-1.5f, -0.8f, 4},
+                                          // the eye all but in its plane, and in it
+                                          {-2, 1e-4f, -1},
+                                          {2, 1e-4f, -4},
+                                          {-2, 1e-4f, -6},
+                                          {0, -1, -2},
+                                          {0, 1, -2},
+                                          {0, 0.2f, -6},
+                                          // around the eye's own place, behind everything seen through it
+                                          {-50, -40, -9},
+                                          {50, -40, -9},
+                                          {0, 70, -9}};
+  const auto triangles = addTriangles(scene, corners, index);
+  test::place(scene, triangles);
+  scene.nodes.resize(2);
+  scene.nodes[1].scale = {-1.0, 0.7, 1.0};
+  scene.nodes[1].translation = {0.1, -0.2, -0.3};
+  test::place(scene, triangles, 1);
+  test::finish(scene);
+  for (const AtlasFormat format : {AtlasFormat::Rgba16f, AtlasFormat::Srgb8}) {
+    auto engine = make(scene, tessAtlas(format));
+    ASSERT_TRUE(engine);
+    for (const Method& method : kMethods) {
+      ASSERT_TRUE(engine->remakeAtlas(tessAtlas(format, method.slanted)));
+      for (const glm::dvec3 eye :
+           {glm::dvec3(0, 0, 0), glm::dvec3(0.01, 0.9, -0.5), glm::dvec3(0, 0.0001, -0.9)}) {
+        SCOPED_TRACE(testing::Message() << method.name << " from " << eye.x << " " << eye.y);
+        const View view = lookAt(eye, eye + glm::dvec3(0.02, 0.01, -1), 80.0, kWidth, kHeight, 0.01);
+        blackenAtlas(*engine);
+        for (const DisplayMode mode : {DisplayMode::Geometry, DisplayMode::Deferred}) {
+          const Image image = drawn(*engine, view, mode);
+          EXPECT_EQ(darkPixels(image), 0u) << "mode " << static_cast<int>(mode);
+          EXPECT_EQ(countCovered(image), static_cast<std::size_t>(kWidth * kHeight));
+        }
+        EXPECT_EQ(engine->nonFiniteTexels(), 0u);
+      }
+    }
+  }
+}
+
+TEST_F(TessFrame, TrianglesOfAFewPixelsHaveNoHoles) {
+  for (const int pixels : {1, 2, 3}) {
+    // Cells of that many pixels, over the whole view: 240 pixels are 1.1547 high at depth 1.
+    const float cell = 1.1547f / 240.0f * static_cast<float>(pixels);
+    Scene scene = test::emptyScene();
+    const auto index = test::addMaterial(scene, test::unlit());
+    const int nx = 340 / pixels;
+    const int ny = 260 / pixels;
+    const glm::vec3 size(cell * static_cast<float>(nx), cell * static_cast<float>(ny), 0.0f);
+    test::place(scene, test::addGrid(scene, {-0.5f * size.x, -0.5f * size.y, -1.0f}, {size.x, 0, 0},
+                                     {0, size.y, 0}, nx, ny, index, true));
+    test::finish(scene);
+    auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Rgba16f));
+    ASSERT_TRUE(engine);
+    const View view = frontView();
+    const Image forward = forwardOf(*engine, view);
+    for (const Method& method : kMethods) {
+      ASSERT_TRUE(engine->remakeAtlas(tessAtlas(AtlasFormat::Rgba16f, method.slanted)));
+      const Image image = drawn(*engine, view);
+      EXPECT_EQ(countCovered(image), countCovered(forward));
+      // A triangle of one texel has one colour: the ramp changes by a level over a pixel, and more in the
+      // dark.
+      EXPECT_LT(meanDifference(image, forward), 0.2) << method.name << " " << pixels;
+      EXPECT_EQ(engine->tess()->memory().readStatistics().failures, 0u);
+    }
+  }
+}
+
+// A ramp over a mesh whose triangles have all levels, small and past what a tessellator spawns: at a seam
+// nothing may show.
+TEST_F(TessFrame, LinearColoursAreReproducedAcrossLevels) {
+  Scene scene = test::emptyScene();
+  const auto index = test::addMaterial(scene, test::unlit());
+  test::place(scene, test::addGrid(scene, {-3, -1, -1.0f}, {6, 0.2f, 0}, {0, 1.8f, -6}, 6, 9, index, true));
+  // Samples outside of the triangle are extrapolated, and colours below 0 do not exist.
+  for (glm::vec4& color : scene.vertices.color) color = glm::vec4(glm::vec3(color) * 0.5f + 0.25f, 1.0f);
+  test::finish(scene);
+  auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Rgba16f));
+  ASSERT_TRUE(engine);
+  for (const Method& method : kMethods) {
+    ASSERT_TRUE(engine->remakeAtlas(tessAtlas(AtlasFormat::Rgba16f, method.slanted)));
+    std::set<std::uint32_t> levels;
+    for (const double fov : {60.0, 52.0, 44.0}) {
+      const View view = lookAt({0, 0.4, 0.2}, {0, -0.2, -3}, fov, kWidth, kHeight, 0.05);
+      const Image forward = forwardOf(*engine, view);
+      blackenAtlas(*engine);
+      const Image image = drawn(*engine, view);
+      EXPECT_EQ(countCovered(image), countCovered(forward));
+      EXPECT_LE(largestDifference(image, forward), 1) << method.name << " " << fov;
+      EXPECT_LT(meanDifference(image, forward), 0.05) << method.name << " " << fov;
+      levels.merge(levelsOf(*engine));
+    }
+    if (method.slanted < 1.0f) continue;
+    EXPECT_LT(*levels.begin(), 40u);
+    EXPECT_GT(*levels.rbegin(), 64u);
+  }
+}
+
+// Few samples over a steep ramp: what filtering makes of the cells on an L's seams would show. With fewer still, so
+// would the 8 bits of a filter's weights.
+TEST_F(TessFrame, CoarseSamplesReproduceARampToo) {
+  Scene scene = test::emptyScene();
+  const auto index = test::addMaterial(scene, test::unlit());
+  test::place(scene, test::addGrid(scene, {-0.6f, -0.4f, -1}, {1.2f, 0.1f, 0}, {0.1f, 0.9f, -0.3f}, 1, 1,
+                                   index, true));
+  for (glm::vec4& color : scene.vertices.color) color = glm::vec4(glm::vec3(color) * 0.6f + 0.3f, 1.0f);
+  test::finish(scene);
+  auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Rgba16f));
+  ASSERT_TRUE(engine);
+  const View view = frontView();
+  const Image forward = forwardOf(*engine, view);
+  for (const Method& method : kMethods)
+    for (const float bias : {8.0f, 10.0f, 11.0f}) {
+      TessAtlasOptions options = tessAtlas(AtlasFormat::Rgba16f, method.slanted);
+      options.memory.bias = bias;
+      ASSERT_TRUE(engine->remakeAtlas(options));
+      EXPECT_LE(largestDifference(drawn(*engine, view), forward), 1) << method.name << ", bias " << bias;
+    }
+}
+
+TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
+  Scene scene = test::emptyScene();
+  const auto index = test::addMaterial(scene, test::unlit());
+  // Mirror images, but that the lower one is a hundredth longer.
+  const auto pair = addTriangles(
+      scene,
+      {{-0.5f, 0, -2}, {0.5f, 0, -2}, {0.45f, 0.9f, -2}, {-0.5f, 0, -2}, {0.45f, -0.92f, -2}, {0.5f, 0, -2}},
+      index);
+  scene.primitives[pair].hasColor = true;
+  for (std::size_t i = 0; i < scene.vertices.position.size(); ++i)
+    scene.vertices.color[i] =
+        glm::vec4(0.5f + 0.3f * scene.vertices.position[i], 1.0f) * glm::vec4(1, 1, -1, 1);
+  test::place(scene, pair);
+  test::finish(scene);
+  TessAtlasOptions options = tessAtlas(AtlasFormat::Rgba16f);
+  options.memory.hysteresis = -1.0f;
+  auto engine = make(std::move(scene), options);
+  ASSERT_TRUE(engine);
+  bool met = false;
+  for (double fov = 140.0; fov > 60.0 && !met; fov -= 0.5) {
+    const View view = lookAt({0, 0, 0}, {0, 0, -2}, fov, kWidth, kHeight, 0.05);
+    engine->findVisible({&view, 1});
+    ASSERT_TRUE(engine->place({&view, 1}));
+    met = levelsOf(*engine) == std::set<std::uint32_t>{64, 65};
+    if (!met) continue;
+    for (const TessGather gather : {TessGather::Compute, TessGather::Tess}) {
+      ASSERT_TRUE(engine->setSpawn({gather, 64}));
+      blackenAtlas(*engine);
+      engine->shade(view);
+      engine->display(view);
+      EXPECT_LE(largestDifference(engine->readColor(), forwardOf(*engine, view)), 1);
+    }
+  }
+  EXPECT_TRUE(met) << "no view gave the triangles levels 64 and 65";
+}
+
+// ---- materials ----
+
+TEST_F(TessFrame, CullingMaskMirrorAndDoubleSideMatchForward) {
+  Scene scene = test::emptyScene();
+  Material single = test::unlit();
+  single.baseColorFactor = {0.9f, 0.2f, 0.2f, 1.0f};
+  Material both;
+  both.doubleSided = true;
+  both.baseColorFactor = {0.2f, 0.9f, 0.2f, 1.0f};
+  Material leaf = test::unlit();
+  leaf.alphaMode = AlphaMode::Mask;
+  leaf.doubleSided = true;
+  leaf.baseColor.image = test::addCheckers(scene, 64, 8, true);
+  scene.nodes.resize(2);
+  scene.nodes[1].scale = {1.0, 1.0, -1.0};
+  scene.nodes[1].translation = {0.0, 1.3, -10.0};
+  int column = 0;
+  for (const Material& material : {single, both, leaf}) {
+    const auto grid = test::addGrid(scene, {-2.5f + 1.8f * static_cast<float>(column++), -0.5f, -5.0f},
+                                    {1.2f, 0, 0}, {0, 1, 0}, 2, 2, test::addMaterial(scene, material));
+    for (std::uint32_t node = 0; node < 2; ++node) test::place(scene, grid, node);
+  }
+  test::finish(scene);
+  Stage stage;
+  StageLight sun;
+  sun.light.type = LightType::Directional;
+  sun.keys.push_back({0.0, {0, 5, 0}, {0.4, 0, -5}, glm::vec3(1.0f), 3.0f});
+  stage.lights.push_back(sun);
+  auto engine = make(std::move(scene), tessAtlas(), stage);
+  ASSERT_TRUE(engine);
+  for (const double side : {1.0, -1.0}) {
+    const View view = lookAt({0.3, 0.2, -5.0 + side * 5.0}, {0, 0, -5}, 60.0, kWidth, kHeight, 0.05);
+    const Image forward = forwardOf(*engine, view);
+    EXPECT_GT(countCovered(forward), 2000u);
+    for (const DisplayMode mode : {DisplayMode::Geometry, DisplayMode::Deferred}) {
+      const Image image = drawn(*engine, view, mode);
+      EXPECT_EQ(countCovered(image), countCovered(forward))
+          << "side " << side << " mode " << static_cast<int>(mode);
+      const auto similarity = mssim(forward, image);
+      ASSERT_TRUE(similarity);
+      EXPECT_GT(similarity->mean, 0.95) << "side " << side << " mode " << static_cast<int>(mode);
+      EXPECT_LT(meanDifference(image, forward), 0.5) << "side " << side << " mode " << static_cast<int>(mode);
+    }
+  }
+}
+
+TEST_F(TessFrame, GatherersAreExchangedBackAndForth) {
+  auto engine = make(everythingScene(), tessAtlas(), lampStage());
+  ASSERT_TRUE(engine);
+  const View view = frontView();
+  RectMemoryOptions memory;
+  memory.width = memory.height = 1024;
+  const Image tess = drawn(*engine, view);
+  EXPECT_EQ(engine->atlas(), nullptr);
+  ASSERT_TRUE(engine->remakeAtlas(memory));
+  EXPECT_EQ(engine->tess(), nullptr);
+  const Image rect = drawn(*engine, view);
+  EXPECT_NE(rect.pixels, tess.pixels);
+  ASSERT_TRUE(engine->remakeAtlas(tessAtlas()));
+  // Slots are drawn in the order of threads, which shows in the last bit of an interpolated texel.
+  EXPECT_LE(largestDifference(drawn(*engine, view), tess), 1);
+  // What cannot be made leaves what there is.
+  TessAtlasOptions bad = tessAtlas();
+  bad.memory.width = 100;
+  const auto refused = engine->remakeAtlas(bad);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("width"), std::string::npos);
+  EXPECT_LE(largestDifference(drawn(*engine, view), tess), 1);
+  ASSERT_TRUE(engine->remakeAtlas(memory));
+  EXPECT_LE(largestDifference(drawn(*engine, view), rect), 1);
+}
+
+TEST_F(TessFrame, OutOfMemoryLosesDetailAndNothingElse) {
+  TessAtlasOptions small = tessAtlas();
+  small.memory.width = small.memory.height = 256;
+  auto engine = make(whiteScene(), small);
+  ASSERT_TRUE(engine);
+  const View view = frontView();
+  for (const bool bias : {false, true}) {
+    small.memory.pressureBias = bias;
+    ASSERT_TRUE(engine->remakeAtlas(small));
+    const Image image = drawn(*engine, view);
+    const TessStatistics statistics = engine->tess()->memory().readStatistics();
+    EXPECT_EQ(statistics.failures > 0, !bias);
+    EXPECT_EQ(darkPixels(image), 0u);
+    EXPECT_EQ(countCovered(image), countCovered(forwardOf(*engine, view)));
+  }
+}
+
+}  // namespace
+}  // namespace tessera

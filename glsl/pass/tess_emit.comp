@@ -44,7 +44,8 @@ void main() {
   vec3 p1 = element.corners[1];
   vec3 p2 = element.corners[2];
   vec3 at = views[0].eye.xyz;
-  vec3 w = depthWeights(p0 - at, p1 - at, p2 - at);
+  // A split triangle's own samples are for views from elsewhere, and may reach around the eye: even on its plane.
+  vec3 w = state.split != 0u ? vec3(1.0) : depthWeights(p0 - at, p1 - at, p2 - at);
   drawVertices[3u * entry] = TessVertex(p0.x, p0.y, p0.z, w.x);
   drawVertices[3u * entry + 1u] = TessVertex(p1.x, p1.y, p1.z, w.y);
   drawVertices[3u * entry + 2u] = TessVertex(p2.x, p2.y, p2.z, w.z);

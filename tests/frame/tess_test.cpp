@@ -525,15 +525,17 @@ TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
 
 // ---- triangles that are split ----
 
-/// A floor of two triangles around the camera, and a wall of two behind it.
-Scene largeScene(bool textured) {
+/// A floor of two triangles around the camera, and a wall of two: a batch each. Checks of `checkers` texels
+/// of 256, or white.
+Scene largeScene(int checkers) {
   Scene scene = test::emptyScene();
   Material material = test::unlit();
   material.doubleSided = true;
-  if (textured) material.baseColor.image = test::addCheckers(scene, 256, 4);
-  const auto index = test::addMaterial(scene, material);
-  test::place(scene, test::addGrid(scene, {-6, -1, 6}, {12, 0, 0}, {0, 0, -12}, 1, 1, index));
-  test::place(scene, test::addGrid(scene, {-3, -1, -5}, {6, 0, 0}, {0, 3, 0}, 1, 1, index));
+  if (checkers > 0) material.baseColor.image = test::addCheckers(scene, 256, checkers);
+  const auto floor = test::addMaterial(scene, material);
+  const auto wall = test::addMaterial(scene, material);
+  test::place(scene, test::addGrid(scene, {-6, -1, 6}, {12, 0, 0}, {0, 0, -12}, 1, 1, floor));
+  test::place(scene, test::addGrid(scene, {-3, -1, -5}, {6, 0, 0}, {0, 3, 0}, 1, 1, wall));
   test::finish(scene);
   return scene;
 }
@@ -554,7 +556,7 @@ std::uint32_t splitTriangles(const Engine& engine) { return engine.tess()->split
 
 TEST_F(TessFrame, TrianglesThatNeedMoreThanASlotAreSplit) {
   for (const Method& method : kMethods) {
-    auto engine = make(largeScene(true), largeAtlas(method.slanted));
+    auto engine = make(largeScene(64), largeAtlas(method.slanted));
     ASSERT_TRUE(engine);
     const View view = largeView();
     const Image forward = forwardOf(*engine, view);
@@ -572,7 +574,7 @@ TEST_F(TessFrame, TrianglesThatNeedMoreThanASlotAreSplit) {
 }
 
 TEST_F(TessFrame, PiecesMeetWithoutASeamAndAreShadedInEveryWay) {
-  auto engine = make(largeScene(false), largeAtlas());
+  auto engine = make(largeScene(0), largeAtlas());
   ASSERT_TRUE(engine);
   const View view = largeView();
   std::vector<std::uint8_t> first;
@@ -594,7 +596,7 @@ TEST_F(TessFrame, PiecesMeetWithoutASeamAndAreShadedInEveryWay) {
 }
 
 TEST_F(TessFrame, OnlyPiecesInViewAreShadedAndTheOthersAreNeverBlack) {
-  auto engine = make(largeScene(false), largeAtlas());
+  auto engine = make(largeScene(0), largeAtlas());
   ASSERT_TRUE(engine);
   const View view = largeView();
   const View turned = largeView(1.2);
@@ -622,6 +624,24 @@ TEST_F(TessFrame, OnlyPiecesInViewAreShadedAndTheOthersAreNeverBlack) {
   const Image shown = engine->readColor();
   EXPECT_GT(countCovered(shown), 10000u);
   EXPECT_EQ(darkPixels(shown), 0u);
+}
+
+TEST_F(TessFrame, PiecesThatNobodySawShowTheirTriangleCoarsely) {
+  auto engine = make(largeScene(4), largeAtlas());
+  ASSERT_TRUE(engine);
+  const View view = largeView();
+  const View turned = largeView(1.2);
+  const Image forward = forwardOf(*engine, turned);
+  engine->findVisible({&view, 1});
+  ASSERT_TRUE(engine->place({&view, 1}));
+  engine->shade(view);
+  for (const DisplayMode mode : {DisplayMode::Geometry, DisplayMode::Deferred}) {
+    if (mode == DisplayMode::Deferred) {
+      engine->findVisible({&turned, 1});  // ids of that view; places are still the other's
+    }
+    engine->display(turned, mode);
+    EXPECT_LT(meanDifference(engine->readColor(), forward), 5.0) << static_cast<int>(mode);
+  }
 }
 
 TEST_F(TessFrame, MoreSplitTrianglesThanBlocksAreSampledCoarsely) {

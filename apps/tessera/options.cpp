@@ -92,10 +92,12 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command
       .add_option(
           "--gather", choice.gather,
-          "how the tessellation gatherer spawns its samples: raster, tess, or compute-N by groups of N "
-          "threads (32, 64, 128, 256, 512)")
-      ->check(CLI::IsMember(
-          {"raster", "tess", "compute-32", "compute-64", "compute-128", "compute-256", "compute-512"}));
+          "how the tessellation gatherer spawns its samples: raster, tess, deferred (the tessellator notes "
+          "them, compute shades them), or compute-N by groups of N threads (32, 64, 128, 256, 512); without "
+          "it, what is fastest on the context by measurement")
+      ->check(CLI::IsMember(gatherNames()));
+  command.add_flag("--plain-decode", choice.plainDecode,
+                   "decode Ls by the paper's formula, which bends lines by up to 0.15 of a sample step");
   command
       .add_option("--slanted", choice.slanted,
                   "longest edge to height beyond which a triangle is oversampled by method tess")
@@ -192,12 +194,14 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   tess.biasFloor = memory.biasFloor;
   tess.pressureBias = memory.pressureBias;
   if (!choice.gather.empty()) {
-    options.tess.spawn.gather = choice.gather == "raster" ? TessGather::Raster
-                                : choice.gather == "tess" ? TessGather::Tess
-                                                          : TessGather::Compute;
+    options.tess.spawn.gather = choice.gather == "raster"     ? TessGather::Raster
+                                : choice.gather == "tess"     ? TessGather::Tess
+                                : choice.gather == "deferred" ? TessGather::Deferred
+                                                              : TessGather::Compute;
     if (options.tess.spawn.gather == TessGather::Compute)
       options.tess.spawn.group = std::atoi(choice.gather.c_str() + std::string_view("compute-").size());
   }
+  options.tess.decode = choice.plainDecode ? TessDecode::Plain : TessDecode::Exact;
   if (choice.slanted > 0.0) tess.slanted = static_cast<float>(choice.slanted);
   if (choice.sampling == Sampling::LPack) tess.slanted = TessMemoryOptions::kNoneSlanted;
   if (choice.sampling == Sampling::Oversample) tess.slanted = TessMemoryOptions::kAllSlanted;
@@ -206,6 +210,12 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   options.tess.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
+}
+
+const std::vector<std::string>& gatherNames() {
+  static const std::vector<std::string> names = {"raster",     "tess",        "deferred",    "compute-32",
+                                                 "compute-64", "compute-128", "compute-256", "compute-512"};
+  return names;
 }
 
 ShadeOptions shadeOptions(const AtlasChoice& choice) {

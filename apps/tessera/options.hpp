@@ -34,12 +34,16 @@ struct CameraChoice {
 struct StageChoice {
   std::string file;
 };
+/// Values of AtlasChoice::gather.
+const std::vector<std::string>& gatherNames();
+
 /// What fills an atlas: rectangles, or the tessellation gatherer with both of its ways to sample or one.
 enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample };
 
 struct AtlasChoice {
   Sampling sampling = Sampling::Rect;
-  std::string gather;    // empty: the engine's default
+  std::string gather;  // empty: the engine's default
+  bool plainDecode = false;
   double slanted = 0.0;  // longest edge to height; 0: the engine's default
   double megapixels = 8.0;
   double bias = 0.0;

@@ -88,6 +88,7 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   }
   if (const TessAtlas* tess = engine.tess(); tess != nullptr && engine.visibleSet()->frame() > 0) {
     const TessStatistics stats = tess->memory().readStatistics();
+    json["gather"] = nameOf(tess->spawn());
     json["visible_triangles"] = stats.visible;
     json["single_texels"] = stats.singles;
     json["samples_allocated"] = stats.samples;

@@ -76,10 +76,11 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
       c.gather = *program;
     }
     if (has("display")) {
-      auto program =
-          triangles
-              ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, definesOf(batch.depth))
-              : programs.get({"pass/display.vert", "pass/display.frag"}, definesOf(batch.depth));
+      gl::Defines own = TessAtlas::displayDefines(wanted.tess);
+      own.merge(definesOf(batch.depth));
+      auto program = triangles
+                         ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, own)
+                         : programs.get({"pass/display.vert", "pass/display.frag"}, definesOf(batch.depth));
       if (!program) return tl::unexpected(program.error());
       c.display = *program;
     }
@@ -87,6 +88,7 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
   }
   if (has("display-deferred")) {
     gl::Defines defines;
+    if (triangles) defines = TessAtlas::displayDefines(wanted.tess);
     // The image is written as it is: a linear atlas must be encoded in the shader.
     if (format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
     if (triangles) defines.emplace("TRIANGLES", "1");

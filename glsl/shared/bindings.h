@@ -47,6 +47,7 @@
 #define BIND_TESS_STARTS 13  // uint[entries]
 #define BIND_TESS_GROUPS 14  // TessGroups[batches]
 #define BIND_TESS_PIECES 15  // uvec2[]
+#define BIND_TESS_SAMPLES 16 // uint[samples]: entry of each
 
 // and when it splits triangles, of those that memory phases use:
 #define BIND_SPLIT_STATE 9      // TessSplitState, uint[batches]: pieces of each

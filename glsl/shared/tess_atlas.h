@@ -235,6 +235,7 @@ struct TessGroups {
   uint y;
   uint z;
   uint samples;
+  uint first;  // number of the first among all batches' samples, see tess_bases.comp
 };
 
 struct TessCommand {

@@ -206,8 +206,10 @@ TEST_F(TessFrame, AllWaysToSpawnWriteTheSameTexels) {
     EXPECT_EQ(kindsOf(*engine).size(), 3u) << "the scene has all kinds";
     EXPECT_GT(*levelsOf(*engine).rbegin(), 64u);
     std::vector<std::uint8_t> first;
-    std::vector<TessSpawn> ways = {
-        {TessGather::Compute, 64}, {TessGather::Tess, 64}, {TessGather::Raster, 64}};
+    std::vector<TessSpawn> ways = {{TessGather::Compute, 64},
+                                   {TessGather::Tess, 64},
+                                   {TessGather::Raster, 64},
+                                   {TessGather::Deferred, 128}};
     if (format == AtlasFormat::Srgb8) ways.push_back({TessGather::Compute, 512});
     for (const TessSpawn& spawn : ways) {
       blackenAtlas(*engine);
@@ -523,6 +525,31 @@ TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
   EXPECT_TRUE(met) << "no view gave the triangles levels 64 and 65";
 }
 
+TEST_F(TessFrame, ThePlainDecodeBendsARampAndTheExactOneDoesNot) {
+  // One triangle of some tens of levels with a ramp of all of a colour: what is off is off by a share of a
+  // step.
+  Scene scene = test::cornerScene(true);
+  test::finish(scene);
+  auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Rgba16f, TessMemoryOptions::kNoneSlanted));
+  ASSERT_TRUE(engine);
+  const View view = cornerView();
+  const Image forward = forwardOf(*engine, view);
+  std::array<double, 2> quality{};
+  for (const TessDecode decode : {TessDecode::Exact, TessDecode::Plain}) {
+    TessAtlasOptions options = tessAtlas(AtlasFormat::Rgba16f, TessMemoryOptions::kNoneSlanted);
+    options.decode = decode;
+    options.memory.bias = 5.0f;  // coarse: a step of samples is some pixels
+    ASSERT_TRUE(engine->remakeAtlas(options));
+    const Image shown = drawn(*engine, view);
+    const auto decibels = psnr(forward, shown);
+    ASSERT_TRUE(decibels);
+    quality[decode == TessDecode::Plain ? 1 : 0] = *decibels;
+    EXPECT_LE(largestDifference(drawn(*engine, view, DisplayMode::Deferred), shown), 2);
+  }
+  std::printf("exact %.2f dB, plain %.2f dB\n", quality[0], quality[1]);
+  EXPECT_GT(quality[0], quality[1] + 3.0);
+}
+
 // ---- triangles that are split ----
 
 /// A floor of two triangles around the camera, and a wall of two: a batch each. Checks of `checkers` texels
@@ -579,7 +606,7 @@ TEST_F(TessFrame, PiecesMeetWithoutASeamAndAreShadedInEveryWay) {
   const View view = largeView();
   std::vector<std::uint8_t> first;
   for (const TessSpawn& spawn : {TessSpawn{TessGather::Compute, 64}, TessSpawn{TessGather::Tess, 64},
-                                 TessSpawn{TessGather::Raster, 64}}) {
+                                 TessSpawn{TessGather::Raster, 64}, TessSpawn{TessGather::Deferred, 64}}) {
     ASSERT_TRUE(engine->setSpawn(spawn));
     engine->findVisible({&view, 1});
     ASSERT_TRUE(engine->place({&view, 1}));

@@ -1,8 +1,11 @@
 #include "apps/tessera/compare/method.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <string_view>
+
+#include <fmt/ranges.h>
 
 namespace tessera::app {
 
@@ -58,6 +61,17 @@ Result<void> apply(Method& method, std::string_view setting) {
     method.atlas.pressureBias = false;
     return {};
   }
+  if (key == "gather") {
+    const auto& names = gatherNames();
+    if (std::find(names.begin(), names.end(), value) == names.end())
+      return fail("'{}' is not one of {}", value, fmt::join(names, ", "));
+    method.atlas.gather = value;
+    return {};
+  }
+  if (setting == "decode=plain" || setting == "decode=exact") {
+    method.atlas.plainDecode = value == "plain";
+    return {};
+  }
   if (key == "slanted") return set(method.atlas.slanted, 1.0, 1e6);
   if (key == "bias") return set(method.atlas.bias, -8.0, 16.0);
   if (key == "texbias") return set(method.atlas.textureBias, -2.0, 1.0);
@@ -70,7 +84,10 @@ Result<void> apply(Method& method, std::string_view setting) {
     if (!placing.lens) placing.lens.emplace();
     return {};
   }
-  return fail("not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, foveate, lens");
+  return fail(
+      "not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, gather=WAY, decode=plain, "
+      "decode=exact, foveate, "
+      "lens");
 }
 
 }  // namespace

@@ -47,6 +47,8 @@ inline const char* referenceOf(const Method& method) {
 ///   bias=off    no constant bias, and none by memory pressure
 ///   floor=N     lowest bias that room to spare may lead to, -4 to 0
 ///   slanted=N   longest edge to height from which tess oversamples a triangle, 1 to 1e6
+///   gather=WAY  how the tessellation gatherer spawns its samples, see gatherNames()
+///   decode=plain, decode=exact   of Ls, see TessDecode
 ///   texbias=N   added to the mip level of textures where texels are shaded, -2 to 1
 ///   foveate     fewer texels where the eye resolves less
 ///   lens        drawn through the lens

@@ -53,6 +53,7 @@ struct GatherStatistics {
   std::vector<GatherPacking> packings;
   std::uint64_t visible = 0;             // elements of the visible set
   std::optional<std::uint64_t> slanted;  // of them, triangles sampled as slanted ones
+  std::uint64_t liveTexels = 0;    // of the atlas: in places that hold an element, single texels not counted
   std::uint64_t usedTexels = 0;    // of the atlas: not free for places of any size; single texels included
   std::uint64_t displayBytes = 0;  // that display reads of what is visible, corners included
   std::uint64_t decodeBytes = 0;   // of them, those that say where its texels lie

@@ -20,6 +20,7 @@ GatherStatistics RectAtlas::readStatistics() const {
                       {"single", {240, 150, 40}, memory.records}};
   statistics.packings = {{"blocks", memory.liveTexels, memory.liveTexels}};
   statistics.visible = memory.visiblePatches;
+  statistics.liveTexels = memory.liveTexels;
   statistics.usedTexels =
       memory.liveTexels + memory.endTexels + memory.stackTexels + memory.inaccessibleTexels + memory.records;
   std::uint64_t entries = 0;

@@ -28,6 +28,7 @@ GatherStatistics TessAtlas::readStatistics() const {
                       {"single", {240, 150, 40}, memory.singles}};
   statistics.visible = memory.visible;
   statistics.slanted = memory.slanted;
+  statistics.liveTexels = memory.liveTexels;
   statistics.usedTexels = memory.cellTexels + memory.singles;
   statistics.failures = memory.failures;
   statistics.resets = memory.resets;

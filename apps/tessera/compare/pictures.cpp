@@ -1,6 +1,7 @@
 #include "apps/tessera/compare/pictures.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace tessera::app {
 
@@ -32,6 +33,19 @@ Image halved(const Image& image, int largestSide) {
     small = std::move(next);
   }
   return small;
+}
+
+bool colorByKind(Image& atlas, const std::vector<std::uint8_t>& kinds, const std::vector<GatherKind>& names) {
+  if (kinds.empty() || 4 * kinds.size() != atlas.pixels.size()) return false;
+  constexpr std::array<std::uint8_t, 3> kNothing = {22, 24, 28};
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    std::uint8_t* texel = atlas.pixels.data() + 4 * i;
+    const bool known = kinds[i] > 0 && kinds[i] <= names.size();
+    const std::array<std::uint8_t, 3>& color = known ? names[kinds[i] - 1U].color : kNothing;
+    for (std::size_t c = 0; c < 3; ++c)
+      texel[c] = known ? static_cast<std::uint8_t>((3 * color[c] + 2 * texel[c]) / 5) : color[c];
+  }
+  return true;
 }
 
 PictureBudget pictureBudget(std::size_t frames, std::size_t runs) {

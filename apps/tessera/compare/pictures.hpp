@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "atlas/gatherer.hpp"
 #include "engine/image/image.hpp"
 
 namespace tessera::app {
@@ -14,6 +15,9 @@ std::size_t coveredPixels(const Image& image);
 std::size_t holesOf(const Image& reference, const Image& test);
 /// Halved until no side is longer than `largestSide`.
 Image halved(const Image& image, int largestSide);
+/// Colours the picture of an atlas by the kinds of its texels (see Gatherer::readKinds), the shaded texels
+/// dimmed beneath. False, and nothing done, where there is not a kind a texel.
+bool colorByKind(Image& atlas, const std::vector<std::uint8_t>& kinds, const std::vector<GatherKind>& names);
 /// What the page shows of each method's run, so that a browser opens a page of many methods and scenes at
 /// once.
 struct PictureBudget {

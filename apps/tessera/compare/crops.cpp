@@ -1,6 +1,7 @@
 #include "apps/tessera/compare/crops.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -8,14 +9,15 @@ namespace tessera::app {
 
 namespace {
 
-constexpr int kParts = 8;  // of the picture's width and height that a crop is
+constexpr int kParts = 9;  // of the picture's width and height that a crop is
 constexpr int kLeastSide = 16;
 constexpr int kSteps = 4;  // places looked at over a crop's own width and height
 constexpr std::size_t kSeveral = 8;
 constexpr int kMost = 3;
 
-bool overlap(const ReportCrop& a, const ReportCrop& b) {
-  return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+/// Whether a picture's width or height, or less, lies between them.
+bool adjacent(const ReportCrop& a, const ReportCrop& b) {
+  return std::abs(a.x - b.x) < 2 * a.width && std::abs(a.y - b.y) < 2 * a.height;
 }
 
 }  // namespace
@@ -25,12 +27,14 @@ SlantPicture slantPicture(Engine& engine, const TimedView& timed) {
   engine.findVisible({&timed.view, 1});
   SlantPicture picture{timed.view.width, timed.view.height, engine.readIds(), {}};
   const auto threshold = static_cast<double>(TessMemoryOptions().slanted);
-  std::unordered_map<std::uint32_t, bool> known = {{0, false}};
-  picture.slanted.reserve(picture.ids.size());
+  std::unordered_map<std::uint32_t, float> known = {{0, 0.0f}};
+  picture.excess.reserve(picture.ids.size());
   for (const std::uint32_t id : picture.ids) {
     const auto [found, fresh] = known.try_emplace(id);
-    if (fresh) found->second = engine.slantOf(id, timed.view) > threshold;
-    picture.slanted.push_back(found->second ? 1 : 0);
+    if (fresh)
+      found->second =
+          static_cast<float>(std::log2(std::max(engine.slantOf(id, timed.view) / threshold, 1.0)));
+    picture.excess.push_back(found->second);
   }
   return picture;
 }
@@ -38,50 +42,56 @@ SlantPicture slantPicture(Engine& engine, const TimedView& timed) {
 std::vector<ReportCrop> slantedPlaces(const SlantPicture& picture, int count) {
   const int width = std::min(std::max(picture.width / kParts, kLeastSide), picture.width);
   const int height = std::min(std::max(picture.height / kParts, kLeastSide), picture.height);
-  std::vector<ReportCrop> places;
+  struct Place {
+    double excess = 0.0;
+    ReportCrop crop;
+  };
+  std::vector<Place> places;
   for (int y = 0; y + height <= picture.height; y += std::max(1, height / kSteps))
     for (int x = 0; x + width <= picture.width; x += std::max(1, width / kSteps)) {
+      Place place;
       std::size_t pixels = 0;
       std::unordered_set<std::uint32_t> triangles;
       for (int row = y; row < y + height; ++row)
         for (int column = x; column < x + width; ++column) {
           const auto at = static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
                           static_cast<std::size_t>(column);
-          if (picture.slanted[at] == 0) continue;
+          if (!(picture.excess[at] > 0.0f)) continue;
           ++pixels;
+          place.excess += static_cast<double>(picture.excess[at]);
           triangles.insert(picture.ids[at]);
         }
       if (triangles.size() < kSeveral) continue;
-      ReportCrop place;
-      place.x = x;
-      place.y = y;
-      place.width = width;
-      place.height = height;
-      place.slantedShare = static_cast<double>(pixels) / (width * height);
+      place.crop.x = x;
+      place.crop.y = y;
+      place.crop.width = width;
+      place.crop.height = height;
+      place.crop.slantedShare = static_cast<double>(pixels) / (width * height);
       places.push_back(std::move(place));
     }
   std::stable_sort(places.begin(), places.end(),
-                   [](const ReportCrop& a, const ReportCrop& b) { return a.slantedShare > b.slantedShare; });
-  std::vector<ReportCrop> best;
-  for (const ReportCrop& place : places) {
-    if (static_cast<int>(best.size()) == count) break;
-    if (std::none_of(best.begin(), best.end(), [&](const ReportCrop& b) { return overlap(place, b); }))
-      best.push_back(place);
+                   [](const Place& a, const Place& b) { return a.excess > b.excess; });
+  std::vector<ReportCrop> worst;
+  for (const Place& place : places) {
+    if (static_cast<int>(worst.size()) == count) break;
+    if (std::none_of(worst.begin(), worst.end(),
+                     [&](const ReportCrop& w) { return adjacent(place.crop, w); }))
+      worst.push_back(place.crop);
   }
-  return best;
+  return worst;
 }
 
 std::vector<ReportCrop> chooseCrops(Engine& engine, const std::vector<TimedView>& views,
                                     std::span<const std::size_t> frames) {
+  std::vector<std::vector<ReportCrop>> places;
+  for (const std::size_t frame : frames) {
+    places.push_back(slantedPlaces(slantPicture(engine, views[frame]), kMost));
+    for (ReportCrop& crop : places.back()) crop.frame = static_cast<int>(frame);
+  }
   std::vector<ReportCrop> crops;
-  for (const std::size_t frame : frames)
-    for (ReportCrop& crop : slantedPlaces(slantPicture(engine, views[frame]), kMost)) {
-      crop.frame = static_cast<int>(frame);
-      crops.push_back(std::move(crop));
-    }
-  std::stable_sort(crops.begin(), crops.end(),
-                   [](const ReportCrop& a, const ReportCrop& b) { return a.slantedShare > b.slantedShare; });
-  crops.resize(std::min<std::size_t>(crops.size(), kMost));
+  for (std::size_t rank = 0; rank < kMost; ++rank)
+    for (const std::vector<ReportCrop>& of : places)
+      if (rank < of.size() && crops.size() < kMost) crops.push_back(of[rank]);
   return crops;
 }
 

@@ -13,19 +13,21 @@ namespace tessera::app {
 struct SlantPicture {
   int width = 0;
   int height = 0;
-  std::vector<std::uint32_t> ids;     // 0 for nothing; see Engine::readIds
-  std::vector<std::uint8_t> slanted;  // 1 where the triangle is
+  std::vector<std::uint32_t> ids;  // 0 for nothing; see Engine::readIds
+  std::vector<float>
+      excess;  // log2 of how far the triangle is past the threshold for slanted ones; 0: it is not
 };
 
 /// Of what the view shows; finds what is visible anew.
 SlantPicture slantPicture(Engine& engine, const TimedView& timed);
 
-/// The places of the picture with the most pixels of slanted triangles that do not overlap, the best first:
-/// at most `count`, without their pictures. A place has an eighth of the picture's width and height, at least
-/// 16 pixels, and several slanted triangles: one alone, however large, is a surface like any other.
+/// The places of the picture where triangles are most slanted, the worst first, without their pictures: at
+/// most `count`, and no two of them next to each other. A place has a ninth of the picture's width and
+/// height, at least 16 pixels, and several slanted triangles: one alone, however large, is a surface like any
+/// other.
 std::vector<ReportCrop> slantedPlaces(const SlantPicture& picture, int count);
 
-/// slantedPlaces of some frames of a run, the best over all of them: at most three.
+/// Three slantedPlaces of some frames of a run, as evenly from each frame as there are any.
 std::vector<ReportCrop> chooseCrops(Engine& engine, const std::vector<TimedView>& views,
                                     std::span<const std::size_t> frames);
 

@@ -12,6 +12,9 @@ namespace {
 
 constexpr int kErrorQuality = 75;
 constexpr int kAtlasQuality = 80;
+// Of the picture of an atlas by kind, texels: small enough that a column of the page shows each of them.
+constexpr int kKindsWidth = 768;
+constexpr int kKindsHeight = 384;
 
 bool has(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -134,9 +137,12 @@ void Runs::keepPictures(std::size_t f, const Image& picture, const Quality& qual
   if (atlas && series.pictures.empty()) {
     Image atlasPicture = engine_.readAtlas();
     pictures.atlas = encodeJpeg(halved(atlasPicture, budget_.atlasSide), kAtlasQuality).value_or(Bytes());
-    if (colorByKind(atlasPicture, engine_.gatherer()->readKinds(), series.gathered.back().kinds))
-      series.kindPicture =
-          encodeJpeg(halved(atlasPicture, budget_.atlasSide), kAtlasQuality).value_or(Bytes());
+    const std::vector<std::uint8_t> kinds = engine_.gatherer()->readKinds();
+    if (colorByKind(atlasPicture, kinds, series.gathered.back().kinds)) {
+      const ReportCrop part =
+          fullestPart(atlasPicture.width, atlasPicture.height, kinds, kKindsWidth, kKindsHeight);
+      series.kindPicture = encodePng(cropped(atlasPicture, part)).value_or(Bytes());
+    }
   }
   series.pictures.push_back(std::move(pictures));
 }

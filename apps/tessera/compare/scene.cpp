@@ -47,7 +47,7 @@ std::vector<PvsMethod> pvsMethods(const std::vector<Method>& methods, const std:
 }
 
 // Added to a method's own bias: from twice the samples to a quarter.
-constexpr std::array<double, 5> kCurveBiases = {-1.0, -0.25, 0.5, 1.25, 2.0};
+constexpr std::array<double, 5> kCurveBiases = {-1.0, -0.5, 0.0, 1.0, 2.0};
 
 std::vector<Method> curveMethods(const std::vector<Method>& methods) {
   std::vector<Method> swept;

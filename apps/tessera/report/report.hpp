@@ -117,7 +117,7 @@ struct ReportMethod {
   double constantBias = kNotMeasured;     // asked for
   double equalSamples = kNotMeasured;     // where the bias was set for it: samples against atlasReference's
   std::vector<ReportCurvePoint> curve;    // rising in bias
-  std::vector<std::uint8_t> kindPicture;  // the atlas coloured by kind, JPEG
+  std::vector<std::uint8_t> kindPicture;  // the fullest part of the atlas coloured by kind, PNG
   ReportSeries series;
   std::vector<ReportFrame> frames;  // chosen frames, rising
 };

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/glm.hpp>
+
 #include "apps/tessera/report/report.hpp"
 #include "engine/measure/metrics.hpp"
 
@@ -92,26 +94,32 @@ double dssimAgainstPlain(const ReportScene& scene, const ReportPvsRow& row) {
 namespace {
 
 /// `to` where `from` is `at`, on the line through the points, whichever way they are sorted.
-double between(const std::vector<ReportCurvePoint>& curve, double ReportCurvePoint::*from,
-               double ReportCurvePoint::*to, double at) {
-  for (std::size_t i = 0; i + 1 < curve.size(); ++i) {
-    const double low = curve[i].*from;
-    const double high = curve[i + 1].*from;
-    if ((at - low) * (at - high) > 0.0) continue;
-    const double share = high == low ? 0.0 : (at - low) / (high - low);
-    return curve[i].*to + share * (curve[i + 1].*to - curve[i].*to);
+double between(const std::vector<glm::dvec2>& points, double at, int from) {
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const glm::dvec2 step = points[i + 1] - points[i];
+    if ((at - points[i][from]) * (at - points[i + 1][from]) > 0.0) continue;
+    return points[i][1 - from] +
+           (step[from] == 0.0 ? 0.0 : (at - points[i][from]) / step[from]) * step[1 - from];
   }
   return kNotMeasured;
+}
+
+/// Quality over the logarithm of samples is nearly straight.
+std::vector<glm::dvec2> pointsOf(const ReportMethod& method) {
+  std::vector<glm::dvec2> points;
+  for (const ReportCurvePoint& point : method.curve)
+    points.emplace_back(std::log2(point.samplesPerPixel), point.mssim);
+  return points;
 }
 
 }  // namespace
 
 double curveMssimAt(const ReportMethod& method, double samplesPerPixel) {
-  return between(method.curve, &ReportCurvePoint::samplesPerPixel, &ReportCurvePoint::mssim, samplesPerPixel);
+  return between(pointsOf(method), std::log2(samplesPerPixel), 0);
 }
 
 double curveSamplesAt(const ReportMethod& method, double mssim) {
-  return between(method.curve, &ReportCurvePoint::mssim, &ReportCurvePoint::samplesPerPixel, mssim);
+  return std::exp2(between(pointsOf(method), mssim, 1));
 }
 
 }  // namespace tessera

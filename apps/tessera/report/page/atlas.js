@@ -11,7 +11,7 @@ function buildKinds(parent, scene) {
     parent.remove();
     return;
   }
-  parent.append(element('h3', '', 'Atlases, coloured by kind of sample'));
+  parent.append(element('h3', '', 'Atlases: the fullest part, coloured by kind of sample'));
   for (const method of methods) {
     const stage = new Stage(new View(), 2, 1);
     stage.addLayer();
@@ -35,8 +35,7 @@ function buildKinds(parent, scene) {
   }
 }
 
-// Whole pixels, so that none is wider than another.
-const kCropWidth = 480;
+const kCropGap = 8;
 
 function buildCrops(parent, scene) {
   if (scene.crops.length === 0) {
@@ -45,7 +44,9 @@ function buildCrops(parent, scene) {
   }
   parent.append(element('h3', '', 'Where most is slanted'));
   for (const crop of scene.crops) {
-    const zoom = Math.max(1, Math.floor(kCropWidth / crop.width));
+    // As large as lets all stand in one row, but whole pixels; twice as large at least.
+    const most = (parent.clientWidth + kCropGap) / crop.pictures.length - kCropGap;
+    const zoom = Math.min(4, Math.max(2, Math.floor(most / crop.width)));
     const box = element('div', 'crop');
     box.append(element('p', 'facts', `Frame ${crop.frame}, ${crop.width} × ${crop.height} pixels at ${crop.x}, ${crop.y}, ` +
         `${zoom} times as large: ${share(crop.slantedShare, 1)} of them show slanted triangles. MSSIM is of the crop alone.`));
@@ -78,7 +79,14 @@ function curveChart(parent, methods) {
   options.scales.x.type = 'logarithmic';
   options.scales.x.title = {display: true, text: 'samples a pixel', color: themeColour('--soft')};
   options.scales.x.ticks.callback = value => kShort.format(value);
-  options.scales.x.ticks.maxTicksLimit = 8;
+  const costs = used.flatMap(({method}) => method.curve.map(point => point.x));
+  options.scales.x.min = 0.85 * Math.min(...costs);
+  options.scales.x.max = 1.15 * Math.max(...costs);
+  // A tick at each of 1, 2, 5 of a power of ten: what Chart.js leaves of its own is uneven.
+  options.scales.x.afterBuildTicks = axis => {
+    axis.ticks = [-3, -2, -1, 0, 1, 2].flatMap(power => [1, 2, 3, 5, 7].map(digit => digit * 10 ** power))
+                     .filter(value => value >= axis.min && value <= axis.max).map(value => ({value}));
+  };
   options.scales.y.grace = '5%';
   options.plugins.tooltip.callbacks.title = () => '';
   options.plugins.tooltip.callbacks.label = item => ` ${item.dataset.label}, bias ${kLong.format(item.raw.bias)}: ` +

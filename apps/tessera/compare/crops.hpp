@@ -23,8 +23,7 @@ SlantPicture slantPicture(Engine& engine, const TimedView& timed);
 
 /// The places of the picture where triangles are most slanted, the worst first, without their pictures: at
 /// most `count`, and no two of them next to each other. A place has a ninth of the picture's width and
-/// height, at least 16 pixels, and several slanted triangles: one alone, however large, is a surface like any
-/// other.
+/// height, at least 16 pixels, and several slanted triangles: the more there are, the more it counts.
 std::vector<ReportCrop> slantedPlaces(const SlantPicture& picture, int count);
 
 /// Three slantedPlaces of some frames of a run, as evenly from each frame as there are any.

@@ -12,6 +12,9 @@ namespace tessera::app {
 
 namespace {
 
+// Of a picture's angle: pictures that are turned against each other meet in arcs, not along their edges.
+constexpr double kOverlap = 2.0 / 3.0;
+
 /// Angles over `range` around 0, no two further apart than `step`.
 std::vector<double> turns(double range, double step) {
   const int count = range > 0.0 ? 1 + std::max(1, static_cast<int>(std::ceil(range / step))) : 1;
@@ -55,8 +58,8 @@ std::vector<View> pvsViews(const View& view, const Pvs& pvs) {
       places.push_back(side * corner);
   std::vector<View> views;
   for (const glm::dvec3& place : places)
-    for (const double yaw : turns(range, fovX))
-      for (const double pitch : turns(range, view.fovY)) {
+    for (const double yaw : turns(range, kOverlap * fovX))
+      for (const double pitch : turns(range, kOverlap * view.fovY)) {
         const glm::dvec3 level = std::cos(yaw) * view.forward + std::sin(yaw) * right;
         View turned = view;
         turned.eye += axes * place;

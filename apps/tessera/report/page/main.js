@@ -137,7 +137,7 @@ function paint() {
     const curve = curveChart(parent, methods);
     if (curve) drawnCharts.push(curve);
     drawnCharts.push(...drawCharts(parent, methods));
-    section.querySelectorAll('.swatch').forEach(swatch => {
+    section.querySelectorAll('.swatch[data-method]').forEach(swatch => {
       swatch.style.background = methodColour(Number(swatch.dataset.method));
     });
   });

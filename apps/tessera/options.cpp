@@ -222,9 +222,6 @@ ShadeOptions shadeOptions(const AtlasChoice& choice) {
   return {.textureBias = static_cast<float>(choice.textureBias)};
 }
 
-namespace {
-
-/// "a,b" as two numbers.
 Result<glm::dvec2> parsePair(const char* option, const std::string& text) {
   glm::dvec2 pair(0.0);
   const char* end = text.data() + text.size();
@@ -235,8 +232,6 @@ Result<glm::dvec2> parsePair(const char* option, const std::string& text) {
   }
   return fail("{} {}: not two numbers with a comma between", option, text);
 }
-
-}  // namespace
 
 PlaceOptions SpatialReuse::at(double time) const {
   PlaceOptions now = options;

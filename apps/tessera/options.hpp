@@ -80,6 +80,8 @@ Result<void> checkFinite(const CLI::App& command);
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
 Result<glm::ivec2> parseSize(const std::string& text);
+/// "a,b" as two numbers; `option` is what the error calls it.
+Result<glm::dvec2> parsePair(const char* option, const std::string& text);
 /// The engine's options for an atlas of about `megapixels` (2^20 texels each).
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 /// How its texels are shaded.

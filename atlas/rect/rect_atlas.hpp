@@ -38,6 +38,8 @@ class RectAtlas final : public Gatherer {
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
   [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
   [[nodiscard]] std::size_t bytes() const override;
+  [[nodiscard]] GatherStatistics readStatistics() const override;
+  [[nodiscard]] std::vector<std::uint8_t> readKinds() const override;
 
   [[nodiscard]] const RectMemory& memory() const { return memory_; }
   [[nodiscard]] RectMemory& memory() { return memory_; }

@@ -65,6 +65,8 @@ class TessAtlas final : public Gatherer {
   [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
   void endShading() const override;
   [[nodiscard]] std::size_t bytes() const override;
+  [[nodiscard]] GatherStatistics readStatistics() const override;
+  [[nodiscard]] std::vector<std::uint8_t> readKinds() const override;
 
   /// The files of the gather program, and what they are compiled with besides the material's switches.
   struct GatherProgram {

@@ -85,11 +85,11 @@ class Engine {
 
   /// Moves nodes, lights and shadow maps to `time` seconds. Must be called once before the first other stage.
   void update(double time);
-  /// The union of what the views see. At most kMaxViews views, all of the size of the first.
+  /// The union of what the views see; however many, all of the size of the first.
   void findVisible(std::span<const View> views);
-  /// Places the visible set for these views (the largest over them counts), with fewer texels where the
-  /// options say that fewer are seen. The program of a combination of options is compiled at its first use.
-  /// Fails, and leaves everything as it was, where check() of an option or that program fails.
+  /// Places the visible set for these views, at most kMaxViews (the largest over them counts), with fewer
+  /// texels where the options say that fewer are seen. The program of a combination of options is compiled at
+  /// its first use. Fails, and leaves everything as it was, where check() of an option or that program fails.
   Result<void> place(std::span<const View> views, const PlaceOptions& options = {});
   /// Shades every placed patch, as seen from `view`'s eye. For several views: once, from between them.
   void shade(const View& view, const ShadeOptions& options = {});
@@ -162,6 +162,12 @@ class Engine {
   [[nodiscard]] std::uint64_t samplesPartlyInView(const View& view) const;
   /// Sum of triangles over the visible patches; blocking readback.
   [[nodiscard]] std::uint64_t visibleTriangles() const;
+  /// What each pixel of the last view of findVisible shows, rows from the top: see idOfTriangle in
+  /// glsl/shared/scene.h, 0 for nothing; blocking readback. Empty before findVisible.
+  [[nodiscard]] std::vector<std::uint32_t> readIds() const;
+  /// Longest edge to height of such a triangle (an id that is not 0), as the view's eye sees it: what makes
+  /// it slanted. 0 where it is no longer than a pixel.
+  [[nodiscard]] double slantOf(std::uint32_t id, const View& view) const;
   /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for
   /// Srgb8, which cannot hold such a value.
   [[nodiscard]] std::uint64_t nonFiniteTexels() const;

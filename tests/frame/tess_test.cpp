@@ -770,6 +770,62 @@ TEST_F(TessFrame, GatherersAreExchangedBackAndForth) {
   EXPECT_LE(largestDifference(drawn(*engine, view), rect), 1);
 }
 
+TEST_F(TessFrame, EachTexelOfTheStatisticsHasItsKind) {
+  auto engine = make(whiteScene());
+  ASSERT_TRUE(engine);
+  const View view = cornerView();
+  TessAtlasOptions options = tessAtlas();
+  RectMemoryOptions rect;
+  rect.width = rect.height = 1024;
+  for (const float slanted : {1.5f, TessMemoryOptions::kNoneSlanted, TessMemoryOptions::kAllSlanted, 0.0f}) {
+    SCOPED_TRACE(slanted);
+    options.memory.slanted = slanted;
+    ASSERT_TRUE(slanted > 0.0f ? engine->remakeAtlas(options) : engine->remakeAtlas(rect));
+    engine->rect(view);
+    const GatherStatistics statistics = engine->gatherer()->readStatistics();
+    std::vector<std::uint64_t> texels(1 + statistics.kinds.size(), 0);
+    for (const std::uint8_t kind : engine->gatherer()->readKinds()) ++texels.at(kind);
+    std::uint64_t samples = 0;
+    for (std::size_t i = 0; i < statistics.kinds.size(); ++i) {
+      EXPECT_EQ(statistics.kinds[i].samples, texels[1 + i]) << statistics.kinds[i].name;
+      samples += statistics.kinds[i].samples;
+    }
+    EXPECT_GT(samples, 100u);
+    EXPECT_EQ(statistics.samples, samples);
+    EXPECT_GE(statistics.usedTexels, samples);
+    EXPECT_GT(statistics.visible, 0u);
+  }
+}
+
+TEST_F(TessFrame, SlantIsOfTheTriangleThatAPixelShows) {
+  auto engine = make(whiteScene());
+  ASSERT_TRUE(engine);
+  const View view = cornerView();
+  EXPECT_TRUE(engine->readIds().empty());
+  TessAtlasOptions options = tessAtlas();
+  engine->findVisible({&view, 1});
+  const auto ids = engine->readIds();
+  ASSERT_EQ(ids.size(), std::size_t{kWidth} * kHeight);
+  engine->forward(view);
+  const Image picture = engine->readColor();
+  std::set<std::uint32_t> shown;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(ids[i] != 0, picture.pixels[4 * i + 3] > 0) << "pixel " << i;
+    if (ids[i] != 0) shown.insert(ids[i]);
+  }
+  ASSERT_GT(shown.size(), 4u);
+  // As many are past a threshold as the gatherer oversamples by it.
+  for (const float threshold : {1.5f, 2.5f, 4.0f}) {
+    options.memory.slanted = threshold;
+    ASSERT_TRUE(engine->remakeAtlas(options));
+    engine->rect(view);
+    std::uint64_t slanted = 0;
+    for (const std::uint32_t id : shown)
+      slanted += engine->slantOf(id, view) > static_cast<double>(threshold) ? 1 : 0;
+    EXPECT_EQ(slanted, *engine->gatherer()->readStatistics().slanted) << threshold;
+  }
+}
+
 TEST_F(TessFrame, OutOfMemoryLosesDetailAndNothingElse) {
   TessAtlasOptions small = tessAtlas();
   small.memory.width = small.memory.height = 256;

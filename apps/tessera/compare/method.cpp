@@ -92,6 +92,11 @@ Result<void> apply(Method& method, std::string_view setting) {
 
 }  // namespace
 
+std::string withSetting(const std::string& name, const std::string& setting) {
+  // The first setting comes after a colon, the others after a plus.
+  return name + (name.find(':') == std::string::npos ? ":" : "+") + setting;
+}
+
 Result<Method> parseMethod(const std::string& text, const AtlasChoice& atlas, const SpatialReuse& spatial) {
   const std::size_t colon = text.find(':');
   const std::string_view name = std::string_view(text).substr(0, colon);

@@ -78,7 +78,7 @@ class TessMemory {
   [[nodiscard]] TessStatistics readStatistics() const;
   /// By number: of the triangles, then of pieces.
   [[nodiscard]] std::vector<glsl::TessState> readStates() const;
-  /// Numbers of the triangles that the last allocate() placed.
+  /// Numbers of the triangles and pieces that the last allocate() placed.
   [[nodiscard]] std::vector<glsl::uint> readVisible() const;
   [[nodiscard]] std::vector<glsl::TessBin> readBins() const;
   [[nodiscard]] glsl::TessAtlasState readState() const;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/tessera/compare/crops.hpp"
+#include "apps/tessera/compare/pictures.hpp"
 #include "apps/tessera/compare/pvs.hpp"
 
 namespace tessera::app {
@@ -101,6 +102,34 @@ TEST(SlantedPlaces, AreCutOutOfPictures) {
   crop.width = 2;
   crop.height = 1;
   EXPECT_EQ(cropped(image, crop).pixels, (std::vector<std::uint8_t>{16, 17, 18, 19, 20, 21, 22, 23}));
+}
+
+TEST(AtlasByKind, ShowsTheFullestPartInTheKindsColours) {
+  constexpr int kWidth = 1024;
+  constexpr int kHeight = 512;
+  std::vector<std::uint8_t> kinds(kWidth * kHeight, 0);
+  const auto fill = [&](int left, int top, int right, int bottom, std::uint8_t kind) {
+    for (int y = top; y < bottom; ++y)
+      for (int x = left; x < right; ++x) kinds[static_cast<std::size_t>(y * kWidth + x)] = kind;
+  };
+  fill(0, 0, 512, 128, 1);
+  fill(640, 256, 832, 352, 1);
+  fill(832, 256, 1024, 352, 2);
+  // More texels of one kind are less than two kinds; where half would be empty, a smaller part.
+  const ReportCrop part = fullestPart(kWidth, kHeight, kinds, 768, 384);
+  EXPECT_EQ(part.width, 384);
+  EXPECT_EQ(part.height, 192);
+  EXPECT_EQ(part.x, 640);
+  EXPECT_LE(part.y, 256);
+  EXPECT_GE(part.y + part.height, 352);
+  Image atlas{kWidth, kHeight, std::vector<std::uint8_t>(4 * kinds.size(), 200)};
+  const std::vector<GatherKind> names = {{"a", {0, 250, 0}, 0}, {"b", {0, 0, 250}, 0}};
+  EXPECT_FALSE(colorByKind(atlas, {}, names));
+  EXPECT_EQ(atlas.at(0, 0)[0], 200);
+  ASSERT_TRUE(colorByKind(atlas, kinds, names));
+  EXPECT_GT(atlas.at(0, 0)[1], 2 * atlas.at(0, 0)[0]);
+  EXPECT_GT(atlas.at(1000, 300)[2], 2 * atlas.at(1000, 300)[0]);
+  EXPECT_LT(atlas.at(700, 10)[1], 40) << "nothing there";
 }
 
 }  // namespace

@@ -96,8 +96,10 @@ Run addCompare(CLI::App& app) {
           .add_option(
               "--methods", options->methods,
               "comma-separated: forward, forward-prepass, forward-lanczos, forward-stereo, warp-stereo, "
-              "rect, rect-deferred, rect-stereo; rect ones take settings after a colon, joined by +: "
-              "mpix=N, bias=N, bias=off, floor=N, texbias=N, foveate, lens")
+              "rect, tess, lpack, oversample, and each of these four -deferred or -stereo; they take "
+              "settings "
+              "after a colon, joined by +: mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, foveate, "
+              "lens")
           ->delimiter(',')
           ->capture_default_str();
   auto* figures =

@@ -14,13 +14,15 @@ function buildKinds(parent, scene) {
   parent.append(element('h3', '', 'Atlases: the fullest part, coloured by kind of sample'));
   for (const method of methods) {
     const stage = new Stage(new View(), 2, 1);
+    const note = element('small');
     stage.addLayer();
     stage.images[0].addEventListener('load', () => {
       const image = stage.images[0];
       stage.aspect(image.naturalWidth, image.naturalHeight);
+      note.textContent = `${image.naturalWidth} × ${image.naturalHeight} texels`;
     });
     stage.show(0, method.kindPicture, `Atlas of ${method.name}, coloured by kind of sample`);
-    const node = figure(method.name, stage, []);
+    const node = figure(method.name, stage, [note]);
     const key = element('div', 'key');
     const all = method.kinds.reduce((sum, kind) => sum + kind.samples, 0);
     for (const kind of method.kinds.filter(kind => kind.samples > 0)) {

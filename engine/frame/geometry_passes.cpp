@@ -152,6 +152,7 @@ void Engine::findVisible(std::span<const View> views) {
   const auto guard = s.guard();
   s.bindScene();
   s.visible->begin();
+  s.gatherer()->beginViews();
   views = views.first(std::min(views.size(), kMaxViews));
   const bool layered = views.size() > 1 && s.drawsIdLayers();
   const std::size_t atOnce = layered ? views.size() : 1;
@@ -179,7 +180,12 @@ void Engine::findVisible(std::span<const View> views) {
       s.drawDepthList(list, &BatchPrograms::idLayers, true, -1);
       s.buffers.stepInstances(1);
     });
-    s.pass("mark", [&] { s.visible->add(target.ids); });
+    s.pass("mark", [&] {
+      s.visible->add(target.ids);
+      std::vector<glm::mat3> rays;
+      for (const View& view : drawn) rays.emplace_back(pixelToRay(view));
+      s.gatherer()->addViews(target.ids, rays);
+    });
   }
   s.visible->finish();
 }

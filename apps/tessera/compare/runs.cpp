@@ -33,8 +33,9 @@ Result<Series> Runs::run(const Method& method, Progress& progress) {
   if (method.usesAtlas()) {
     auto setup = engineOptions(method.atlas);
     if (!setup) return tl::unexpected(setup.error());
-    auto made = setup->gatherer == GathererKind::Tess ? engine_.remakeAtlas(setup->tess)
-                                                      : engine_.remakeAtlas(setup->atlas.memory);
+    auto made = setup->gatherer == GathererKind::Tess    ? engine_.remakeAtlas(setup->tess)
+                : setup->gatherer == GathererKind::Texel ? engine_.remakeAtlas(setup->texel)
+                                                         : engine_.remakeAtlas(setup->atlas.memory);
     if (!made) return tl::unexpected(made.error());
   }
   for (int i = 0; i < options_.warmup; ++i)
@@ -110,6 +111,16 @@ void Runs::keepAtlasNumbers(std::size_t f, Series& series) const {
     series.patches.push_back(static_cast<double>(stats.visible));
     series.bias.push_back(static_cast<double>(stats.bias));
     series.outOfMemory += static_cast<double>(stats.failures);
+    return;
+  }
+  if (const TexelAtlas* texel = engine_.texel()) {
+    const TexelStatistics stats = texel->readStatistics();
+    series.allocated.push_back(static_cast<double>(stats.samples));
+    series.live.push_back(64.0 * stats.tiles + stats.visible);
+    series.partly.push_back(0.0);
+    series.patches.push_back(static_cast<double>(stats.visible));
+    series.bias.push_back(static_cast<double>(stats.bias));
+    series.outOfMemory += static_cast<double>(stats.lost);
     return;
   }
   const RectStatistics stats = engine_.atlas()->memory().readStatistics();

@@ -1,0 +1,27 @@
+// The buffers of Texel Shading's memory, and its table: a hash of tile numbers with linear probing, one for the frame that
+// is written and one for the frame before.
+#include "shared/bindings.h"
+#include "shared/texel.h"
+
+layout(std430, binding = BIND_ATLAS_STATE) coherent buffer TexelStates { TexelState texels; };
+layout(std430, binding = BIND_TEXEL_CHARTS) readonly buffer Charts { TexelChart charts[]; };
+layout(std430, binding = BIND_TEXEL_TABLE) coherent buffer Table { uint table[]; };  // number, slot + 1 of each place
+layout(std430, binding = BIND_TEXEL_TILES) buffer Tiles { TexelTile tiles[]; };
+layout(std430, binding = BIND_TEXEL_WANTED) buffer Wanted { uvec2 wantedTiles[]; };  // patch instance, tile
+
+const uint kNoPlaceInTable = 0xffffffffu;
+
+uint tableStart(uint number, uint slots) { return (number * 0x9e3779b1u) >> (32u - uint(findMSB(slots))); }
+
+// The word of the table that holds `number` in one of its halves, or kNoPlaceInTable.
+uint placeInTable(uint number, uint which) {
+  uint slots = texels.config.table;
+  uint at = tableStart(number, slots);
+  for (uint i = 0u; i < kTexelProbes; ++i) {
+    uint word = 2u * (which * slots + ((at + i) & (slots - 1u)));
+    uint held = table[word];
+    if (held == number) return word;
+    if (held == 0u) break;
+  }
+  return kNoPlaceInTable;
+}

@@ -41,26 +41,27 @@ glm::dvec2 patchExtent(const std::array<glm::dvec3, 5>& corners, std::uint32_t t
   return {std::max(edge(0, 1) + edge(0, 4), edge(2, 3)), std::max(edge(1, 2), edge(3, 4))};
 }
 
-Result<std::vector<glsl::TexelChart>> layOutCharts(std::span<const glm::dvec2> extents) {
+Result<std::vector<glsl::TexelChart>> layOutCharts(std::span<const ChartShape> shapes) {
   double longest = 0.0;
   double shortest = std::numeric_limits<double>::max();
-  for (const glm::dvec2& extent : extents) {
+  for (const auto& [extent, single] : shapes) {
     const double longer = std::max(finite(extent.x), finite(extent.y));
     longest = std::max(longest, longer);
     if (longer > 0.0) shortest = std::min(shortest, longer);
   }
-  std::vector<glsl::TexelChart> charts(extents.size());
+  std::vector<glsl::TexelChart> charts(shapes.size());
   double density = longest > 0.0 ? std::ldexp(1.0, glsl::kTexelLargestLog2) / shortest : 1.0;
   for (int i = 0; i <= kDensities; ++i, density *= 0.5) {
     std::uint64_t next = 1;
-    for (std::size_t p = 0; p < extents.size(); ++p) {
-      charts[p] = chartOf(extents[p], density);
+    for (std::size_t p = 0; p < shapes.size(); ++p) {
+      charts[p] = chartOf(shapes[p].extent, density);
+      if (shapes[p].single) charts[p].size |= glsl::kChartSingle;
       charts[p].base = static_cast<glsl::uint>(next);
       next += tilesOf(charts[p]);
     }
     if (next <= std::numeric_limits<std::uint32_t>::max()) return charts;
   }
-  return fail("texel shading: {} patches have more tiles than there are numbers for", extents.size());
+  return fail("texel shading: {} patches have more tiles than there are numbers for", shapes.size());
 }
 
 }  // namespace tessera

@@ -102,7 +102,7 @@ Result<TexelAtlas> TexelAtlas::create(gl::ProgramCache& programs, const TexelAtl
 
   glsl::TexelState state{};
   state.config = *config;
-  state.bias = options.pressureBias ? options.biasFloor : 0.0f;
+  state.pressure = {options.pressureBias ? options.biasFloor : 0.0f, 0, glsl::kTexelQuiet, 0};
   state.freeSlots = static_cast<int>(config->slots);
   atlas.state_ = gl::Buffer(sizeof(glsl::TexelState));
   atlas.state_.writeValue(state);

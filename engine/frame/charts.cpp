@@ -5,8 +5,8 @@ namespace tessera {
 Result<std::vector<glsl::TexelChart>> chartsOf(const Scene& scene, const DrawScene& draw) {
   SceneState start;
   evaluate(scene, 0.0, start);
-  std::vector<glm::dvec2> extents;
-  extents.reserve(draw.patchInstances);
+  std::vector<ChartShape> shapes;
+  shapes.reserve(draw.patchInstances);
   for (std::uint32_t p = 0; p < draw.patchInstances; ++p) {
     const std::uint32_t index = draw.instanceOfPatch[p];
     const Instance& instance = draw.instances[index];
@@ -16,10 +16,11 @@ Result<std::vector<glsl::TexelChart>> chartsOf(const Scene& scene, const DrawSce
     const auto corner = [&](std::uint32_t vertex) {
       return glm::dvec3(world * glm::dvec4(scene.vertices.position[vertex], 1.0));
     };
-    extents.push_back(
-        patchExtent({corner(g.v0), corner(g.v1), corner(g.v2), corner(g.v3), corner(g.v4)}, g.triangles));
+    shapes.push_back(
+        {patchExtent({corner(g.v0), corner(g.v1), corner(g.v2), corner(g.v3), corner(g.v4)}, g.triangles),
+         g.triangles == 1});
   }
-  return layOutCharts(extents);
+  return layOutCharts(shapes);
 }
 
 }  // namespace tessera

@@ -23,13 +23,6 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   uint count = texels.source == 0u ? texels.wanted0 : texels.wanted1;
   uint current = texels.current;
-  if (i == 0u) {
-    texels.shown = current;
-    texels.shownBias = texels.config.constantBias + texels.bias;
-    texels.shownCoarser = texels.coarser;
-    if (current == 0u) texels.tiles0 = count;
-    else texels.tiles1 = count;
-  }
   if (i >= count) return;
   uvec2 wanted = wantedTiles[texels.source * texels.config.wanted + i];
   uint number = tileNumber(charts[wanted.x], wanted.y);

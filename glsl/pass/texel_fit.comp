@@ -19,7 +19,16 @@ void main() {
     texels.wanted1 = count;
     if (!fits) texels.wanted0 = 0u;
   }
-  if (!fits) ++texels.coarser;
+  if (fits) {
+    // All are: what is displayed from here on.
+    texels.shown = texels.current;
+    texels.shownBias = config.constantBias + texels.pressure.bias;
+    texels.shownCoarser = texels.coarser;
+    if (texels.current == 0u) texels.tiles0 = count;
+    else texels.tiles1 = count;
+  } else {
+    ++texels.coarser;
+  }
   texels.clearGroupsX = fits ? 0u : texelGroups(config.table);
   texels.clearGroupsY = 1u;
   texels.clearGroupsZ = 1u;

@@ -25,7 +25,7 @@ void main() {
   uint patchId = (id >> 2u) - 1u;
   TexelChart chart = charts[patchId];
   ChartPoint point = chartPoint(id, pixel, uPixelToRay, views[uView].eye.xyz);
-  uint level = texelLevel(chart, point.dx, point.dy, texels.config.constantBias + texels.bias);
+  uint level = texelLevel(chart, point.dx, point.dy, texels.config.constantBias + texels.pressure.bias);
   if (level >= recordLevel(chart)) return;
-  wantTile(patchId, tileAt(chart, level, point.at), chart, 0u);
+  wantTile(patchId, tileAt(chart, level, placeInChart(chart, point.at)), chart, 0u);
 }

@@ -8,7 +8,7 @@ layout(location = LOCATION_FRAME) uniform uint uPlaced;   // 1: the last frame t
 void main() {
   TexelConfig config = texels.config;
   if (config.biased != 0u && uPlaced != 0u)
-    texels.bias = nextTexelBias(texels.bias, texels.marked, config.slots, config.lowestBias);
+    texels.pressure = nextTexelPressure(texels.pressure, texels.marked, config.slots, config.lowestBias);
   texels.current = uCurrent;
   texels.coarser = 0u;
   texels.marked = 0u;

@@ -27,22 +27,28 @@ SHARED_CONST uint kChartRepeated = 0x80000000u;  // of a draw entry: another one
 // Of a patch instance. 8 bytes.
 struct TexelChart {
   uint base;  // number of its first tile; 0 is none
-  uint size;  // log2 of tiles at the finest level: along x in bits 0-7, along y in bits 8-15
+  uint size;  // log2 of tiles at the finest level: along x in bits 0-7, along y in bits 8-15; kChartSingle
 };
 
+SHARED_CONST uint kChartSingle = 65536u;  // the patch is one triangle, below the chart's diagonal
 SHARED_FN uint chartX(TexelChart chart) { return chart.size & 255u; }
-SHARED_FN uint chartY(TexelChart chart) { return chart.size >> 8u; }
+SHARED_FN uint chartY(TexelChart chart) { return (chart.size >> 8u) & 255u; }
 // The level of the record: one past the chart's coarsest.
 SHARED_FN uint recordLevel(TexelChart chart) { return max(chartX(chart), chartY(chart)) + kTexelSmallLevels + 1u; }
 SHARED_FN uint tilesAlong(uint log2Tiles, uint level) { return level < log2Tiles ? 1u << (log2Tiles - level) : 1u; }
 SHARED_FN uint cellsAlong(uint log2Tiles, uint level) {
   return level <= log2Tiles ? kTexelCells << (log2Tiles - level) : max(kTexelTile >> (level - log2Tiles), 1u);
 }
-// Tiles of all levels before `level`.
+// Tiles of all levels before `level`: a quarter at each level while both sides halve, then a half, then one at each.
 SHARED_FN uint tilesBefore(TexelChart chart, uint level) {
+  uint shorter = min(chartX(chart), chartY(chart));
+  uint longer = max(chartX(chart), chartY(chart));
+  uint both = min(level, shorter);
   uint tiles = 0u;
-  for (uint i = 0u; i < level; ++i) tiles += tilesAlong(chartX(chart), i) * tilesAlong(chartY(chart), i);
-  return tiles;
+  if (both > 0u) tiles = (((1u << (2u * both)) - 1u) / 3u) << (shorter + longer - 2u * (both - 1u));
+  uint last = clamp(level, shorter, longer);
+  tiles += (1u << (longer - shorter + 1u)) - (1u << (longer - last + 1u));
+  return tiles + max(level, longer) - longer;
 }
 
 // A tile of a chart: its place at its level, and the chart's size.
@@ -65,12 +71,22 @@ SHARED_FN uint coarserTile(TexelChart chart, uint tile) {
   return packTile(min(tileX(tile) / 2u, tilesAlong(chartX(chart), level) - 1u),
                   min(tileY(tile) / 2u, tilesAlong(chartY(chart), level) - 1u), level, chart);
 }
-// The tile at a place of the chart, (0,0) to (1,1).
+// The tile at a place of the chart, (0,0) to (1,1), see placeInChart.
 SHARED_FN uint tileAt(TexelChart chart, uint level, vec2 at) {
-  uint x = uint(clamp(at.x, float(0), float(1)) * float(cellsAlong(chartX(chart), level))) / kTexelCells;
-  uint y = uint(clamp(at.y, float(0), float(1)) * float(cellsAlong(chartY(chart), level))) / kTexelCells;
+  uint x = uint(at.x * float(cellsAlong(chartX(chart), level))) / kTexelCells;
+  uint y = uint(at.y * float(cellsAlong(chartY(chart), level))) / kTexelCells;
   return packTile(min(x, tilesAlong(chartX(chart), level) - 1u), min(y, tilesAlong(chartY(chart), level) - 1u), level,
                   chart);
+}
+
+// The place in the patch that is meant by one: interpolation on a triangle that is seen edge-on leads out of it.
+SHARED_FN vec2 placeInChart(TexelChart chart, vec2 at) {
+  vec2 inside = vec2(clamp(at.x, kLevelZero, kLevelOne), clamp(at.y, kLevelZero, kLevelOne));
+  if ((chart.size & kChartSingle) != 0u && inside.y > inside.x) {
+    inside.x = kLevelHalf * (inside.x + inside.y);
+    inside.y = inside.x;
+  }
+  return inside;
 }
 
 // The level whose cells are as large as a pixel along the direction in which they are largest, to the nearest level.
@@ -137,6 +153,14 @@ struct TexelBatch {
   uint entries;
 };
 
+// The bias that follows from want of slots.
+struct TexelPressure {
+  float bias;    // log2 of area
+  uint quiet;    // frames since slots were last wanting
+  uint wait;     // quiet frames after which the bias falls
+  uint falling;  // 1: it fell since
+};
+
 struct TexelConfig {
   uint slots;
   uint columns;    // slots in a row
@@ -153,7 +177,7 @@ struct TexelState {
   TexelConfig config;
   uint current;   // which half of tables and tiles this frame writes
   uint shown;     // which half the last frame that was placed wrote
-  float bias;     // by pressure, log2 of area
+  TexelPressure pressure;
   uint coarser;   // levels by which this frame's tiles were made coarser
   float shownBias;   // of the last frame that was placed, all of it
   uint shownCoarser;
@@ -186,14 +210,29 @@ struct TexelState {
 
 SHARED_FN uint texelGroups(uint threads) { return (threads + uint(TEXEL_GROUP) - 1u) / uint(TEXEL_GROUP); }
 
-// The pressure bias of the next frame: one at which some 95 % of the slots are asked for, unless the lowest bias asks for
-// less. Rests between 90 % and all.
-SHARED_FN float nextTexelBias(float bias, uint marked, uint slots, float lowest) {
+// Frames without want of slots after which the pressure bias falls. Each time that it then asks for too much again, twice as
+// many, up to the most: where tiles do not get fewer by and by, a still picture shall rest.
+SHARED_CONST uint kTexelQuiet = 40u;
+SHARED_CONST uint kTexelLongestQuiet = 1280u;
+SHARED_CONST float kTexelRelief = 0.05;  // log2 of area in a frame
+
+// What follows in a frame from the last one's load: `marked` tiles for `slots`. The bias rises to where some 95 % of the
+// slots are asked for, if tiles fall to half with each step of it, as those of large patches do.
+SHARED_FN TexelPressure nextTexelPressure(TexelPressure pressure, uint marked, uint slots, float lowest) {
   float load = float(max(marked, 1u)) / float(slots);
-  float change = log2(load / float(0.95));
-  if (load > float(1)) return min(bias + change, kLargestBias);
-  // Levels are whole: what comes back may be more than what was given, so it is taken gently.
-  return load < float(0.9) ? max(bias + max(kLevelHalf * change, -kLevelOne), lowest) : bias;
+  if (marked > slots) {
+    if (pressure.falling != 0u) pressure.wait = min(pressure.wait + pressure.wait, kTexelLongestQuiet);
+    pressure.bias = min(pressure.bias + max(log2(load / float(0.95)), float(0.1)), kLargestBias);
+    pressure.quiet = 0u;
+    pressure.falling = 0u;
+    return pressure;
+  }
+  pressure.quiet = min(pressure.quiet + 1u, kTexelLongestQuiet);
+  if (load < float(0.9) && pressure.bias > lowest && pressure.quiet >= pressure.wait) {
+    pressure.bias = max(pressure.bias - kTexelRelief, lowest);
+    pressure.falling = 1u;
+  }
+  return pressure;
 }
 
 TESSERA_SHARED_END
@@ -202,6 +241,6 @@ static_assert(sizeof(tessera::glsl::TexelChart) == 8);
 static_assert(sizeof(tessera::glsl::TexelTile) == 12);
 static_assert(sizeof(tessera::glsl::TexelBatch) == 44);
 static_assert(sizeof(tessera::glsl::TexelConfig) == 36);
-static_assert(sizeof(tessera::glsl::TexelState) == 36 + 31 * 4);
+static_assert(sizeof(tessera::glsl::TexelState) == 36 + 34 * 4);
 #endif
 #endif

@@ -96,7 +96,7 @@ TEST_F(Cli, BadFilesAreRefusedAndNothingIsWritten) {
 
 TEST_F(Cli, RendersByEveryMethodAndView) {
   const std::string scene = fmt::format("'{}' --size 160x90 --context osmesa", atrium());
-  for (const char* method : {"forward", "forward-prepass", "rect", "rect-deferred"}) {
+  for (const char* method : {"forward", "forward-prepass", "rect", "rect-deferred", "texel"}) {
     const Ran ran =
         run(fmt::format("render {} -o {}.png --method {} --stats {}.json", scene, method, method, method));
     ASSERT_EQ(ran.code, 0) << ran.error;

@@ -415,7 +415,7 @@ TEST_F(TexelFrame, WhatItCannotDoIsSaid) {
   EXPECT_EQ(engine->texel(), nullptr);
   EXPECT_EQ(countCovered(drawn(*engine, view)), countCovered(before));
   ASSERT_TRUE(engine->remakeAtlas(texelAtlas()));
-  EXPECT_EQ(drawn(*engine, view).pixels, before.pixels);
+  EXPECT_LE(largestDifference(drawn(*engine, view), before), 1);
 }
 
 }  // namespace

@@ -205,7 +205,9 @@ Run addRender(CLI::App& app) {
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
   command
       .add_option("--method", options->method,
-                  "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
+                  "forward, forward-prepass, rect, lpack, oversample, tess or texel; those of an atlas but "
+                  "oversample "
+                  "also with -deferred")
       ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred",
                              "oversample", "tess", "tess-deferred", "texel", "texel-deferred"}))
       ->capture_default_str();

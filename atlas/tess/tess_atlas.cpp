@@ -32,6 +32,9 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
   auto memory = TessMemory::create(programs, options.memory, triangles);
   if (!memory) return tl::unexpected(memory.error());
   atlas.memory_ = std::move(*memory);
+  auto split = TessSplit::create(programs, triangles, static_cast<std::uint32_t>(batches.size()));
+  if (!split) return tl::unexpected(split.error());
+  atlas.split_ = std::move(*split);
   auto emit = programs.get({"pass/tess_emit.comp"});
   if (!emit) return tl::unexpected(emit.error());
   atlas.emit_ = *emit;
@@ -58,14 +61,18 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
     pieces += batch.entryCapacity + morePieces;
     entries += batch.entryCapacity;
   }
+  // All of the pieces of triangles may be one batch's, and move what follows.
+  pieces += glsl::kSplitNumbers;
+  entries += glsl::kSplitNumbers;
   atlas.pieces_ = gl::Buffer(pieces * sizeof(glsl::uvec2));
   atlas.starts_ = gl::Buffer(entries * sizeof(glsl::uint));
   atlas.groups_ = gl::Buffer(batches.size() * sizeof(glsl::TessGroups));
   atlas.batchCount_ = static_cast<std::uint32_t>(batches.size());
+  atlas.triangles_ = triangles;
   atlas.batches_ = gl::Buffer(batches, 0);
   atlas.commands_ = gl::Buffer(commands);
   atlas.emptyCommands_ = gl::Buffer(commands, 0);
-  atlas.entryOf_ = gl::Buffer(std::size_t{triangles} * sizeof(glsl::uint));
+  atlas.entryOf_ = gl::Buffer((std::size_t{triangles} + glsl::kSplitNumbers) * sizeof(glsl::uint));
   atlas.entries_ = gl::Buffer(entries * sizeof(glsl::TessEntry));
   atlas.vertices_ = gl::Buffer(3 * entries * sizeof(glsl::TessVertex));
   atlas.displayArray_ = gl::VertexArray::make();
@@ -75,26 +82,32 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
 }
 
 void TessAtlas::selectLevels(const VisibleSet& visible, std::uint32_t viewCount, const gl::Program* measure) {
-  visible.bind();
-  memory_.measure(visible.dispatch(), viewCount, measure);
+  memory_.bind();
+  memory_.setViewCount(viewCount);
+  entryOf_.bindStorage(BIND_DRAW_ENTRIES);
+  split_.list(visible);
+  memory_.measure(split_.dispatch(), measure);
 }
 
 void TessAtlas::allocate(const VisibleSet& visible) {
   visible.bind();
-  memory_.allocate(visible.dispatch(), visible.frame());
+  split_.bind();
+  memory_.allocate(split_.dispatch(), visible.frame());
 }
 
-void TessAtlas::emit(const VisibleSet& visible) {
-  visible.bind();
+void TessAtlas::emit(const VisibleSet&) {
+  split_.bind();
   bind();
   memory_.bind();
   // The last frame's counts came from a shader.
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl::api().CopyNamedBufferSubData(emptyCommands_.get(), commands_.get(), 0, 0,
                                    static_cast<GLsizeiptr>(commands_.size()));
+  split_.makeRoom();
   emit_->use();
   emit_->set(LOCATION_COUNT, batchCount_);
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, visible.dispatch().get());
+  emit_->set(LOCATION_FRAME, triangles_);
+  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, split_.dispatch().get());
   gl::api().DispatchComputeIndirect(0);
 }
 
@@ -172,8 +185,8 @@ void TessAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
 }
 
 std::size_t TessAtlas::bytes() const {
-  return atlas_.texture.bytes() + memory_.bytes() + entryOf_.size() + entries_.size() + vertices_.size() +
-         commands_.size() + pieces_.size() + starts_.size() + groups_.size();
+  return atlas_.texture.bytes() + memory_.bytes() + split_.bytes() + entryOf_.size() + entries_.size() +
+         vertices_.size() + commands_.size() + pieces_.size() + starts_.size() + groups_.size();
 }
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 
 #include "atlas/gatherer.hpp"
 #include "atlas/tess/tess_memory.hpp"
+#include "atlas/tess/tess_split.hpp"
 #include "glsl/shared/blocks.h"
 
 namespace tessera {
@@ -62,18 +63,21 @@ class TessAtlas final : public Gatherer {
   /// be its own.
   void setSpawn(const TessSpawn& spawn) { spawn_ = spawn; }
 
+  [[nodiscard]] const TessSplit& split() const { return split_; }
   [[nodiscard]] const TessMemory& memory() const { return memory_; }
   [[nodiscard]] TessMemory& memory() { return memory_; }
 
  private:
   TessMemory memory_;
+  TessSplit split_;
   AtlasTexture atlas_;
   std::uint32_t batchCount_ = 0;
+  std::uint32_t triangles_ = 0;
   TessSpawn spawn_;
-  gl::Buffer entryOf_;   // uint[triangles]: its entry
+  gl::Buffer entryOf_;   // uint[triangles + kSplitNumbers]: its entry
   gl::Buffer entries_;   // TessEntry[entries]
   gl::Buffer vertices_;  // TessVertex[3 * entries]
-  gl::Buffer batches_;   // BatchGpu[batches]
+  gl::Buffer batches_;   // BatchGpu[batches], firstEntry as of this frame
   gl::Buffer commands_;  // TessCommand[3 * batches]: display, raster, pieces
   gl::Buffer emptyCommands_;
   gl::Buffer pieces_;  // uvec2[]: entry, first sample

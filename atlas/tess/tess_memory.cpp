@@ -143,9 +143,10 @@ Result<TessMemory> TessMemory::create(gl::ProgramCache& programs, const TessMemo
   state.rects[0] = {0, 0, config->width, config->height};
   state.pressure = glsl::pressureAtStart(config->pressure);
   memory.state_.writeValue(state);
-  memory.states_ = gl::Buffer(std::size_t{triangles} * sizeof(glsl::TessState));
-  memory.measures_ = gl::Buffer(std::size_t{triangles} * sizeof(glsl::TessMeasure));
-  memory.live_ = gl::Buffer((std::size_t{triangles} + 1) * sizeof(glsl::uint));
+  const std::size_t numbers = std::size_t{triangles} + glsl::kSplitNumbers;
+  memory.states_ = gl::Buffer(numbers * sizeof(glsl::TessState));
+  memory.measures_ = gl::Buffer(numbers * sizeof(glsl::TessMeasure));
+  memory.live_ = gl::Buffer((numbers + 1) * sizeof(glsl::uint));
   return memory;
 }
 
@@ -163,13 +164,16 @@ void TessMemory::bindPhases() const {
   live_.bindStorage(BIND_ATLAS_LIVE);
 }
 
-void TessMemory::measure(const gl::Buffer& dispatch, std::uint32_t viewCount, const gl::Program* program) {
+void TessMemory::setViewCount(std::uint32_t viewCount) {
   assert(viewCount >= 1 && viewCount <= TESS_VIEWS);
   if (viewCount != config_.views) {
     config_.views = viewCount;
     gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     state_.writeValue(viewCount, offsetof(glsl::TessAtlasState, config) + offsetof(glsl::TessConfig, views));
   }
+}
+
+void TessMemory::measure(const gl::Buffer& dispatch, const gl::Program* program) {
   bindPhases();
   (program != nullptr ? program : measure_)->use();
   dispatchIndirect(dispatch, 0);
@@ -199,7 +203,8 @@ void TessMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
 }
 
 int TessMemory::textureHeight() const {
-  return static_cast<int>(config_.height + (config_.triangles + config_.width - 1) / config_.width);
+  const std::uint32_t records = config_.triangles + glsl::kSplitNumbers;
+  return static_cast<int>(config_.height + (records + config_.width - 1) / config_.width);
 }
 
 std::size_t TessMemory::bytes() const {
@@ -214,7 +219,7 @@ glsl::TessAtlasState TessMemory::readState() const {
 
 std::vector<glsl::TessState> TessMemory::readStates() const {
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  return states_.readAll<glsl::TessState>(config_.triangles);
+  return states_.readAll<glsl::TessState>(config_.triangles + glsl::kSplitNumbers);
 }
 
 std::vector<glsl::TessBin> TessMemory::readBins() const {

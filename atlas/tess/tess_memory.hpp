@@ -31,7 +31,7 @@ struct TessMemoryOptions {
 
 /// What a frame did. Texels are of cells, in rectangles without any, or lost between them.
 struct TessStatistics {
-  std::uint32_t visible = 0;     // triangles
+  std::uint32_t visible = 0;     // triangles, and pieces of split ones
   std::uint32_t singles = 0;     // of one texel, failures included
   std::uint64_t samples = 0;     // texels to shade
   std::uint64_t lSamples = 0;    // of them in Ls
@@ -56,8 +56,10 @@ class TessMemory {
   static Result<TessMemory> create(gl::ProgramCache& programs, const TessMemoryOptions& options,
                                    std::uint32_t triangles);
 
+  /// Of the views that sizes are measured from, [1, TESS_VIEWS].
+  void setViewCount(std::uint32_t viewCount);
   // As RectMemory::measure and allocate, over a visible set of triangles.
-  void measure(const gl::Buffer& dispatch, std::uint32_t viewCount, const gl::Program* program);
+  void measure(const gl::Buffer& dispatch, const gl::Program* program);
   void allocate(const gl::Buffer& dispatch, std::uint32_t frame);
   void bind() const;
 
@@ -72,6 +74,7 @@ class TessMemory {
 
   // These wait for the GPU.
   [[nodiscard]] TessStatistics readStatistics() const;
+  /// By number: of the triangles, then of pieces.
   [[nodiscard]] std::vector<glsl::TessState> readStates() const;
   [[nodiscard]] std::vector<glsl::TessBin> readBins() const;
   [[nodiscard]] glsl::TessAtlasState readState() const;
@@ -86,8 +89,8 @@ class TessMemory {
   gl::Buffer bins_;      // TessBin[bins]
   gl::Buffer runs_;      // TessRun[runs]
   gl::Buffer stacks_;    // uint[]: free slots, a stack a bin
-  gl::Buffer states_;    // TessState[triangles]
-  gl::Buffer measures_;  // TessMeasure[triangles], in the order of the visible list
+  gl::Buffer states_;    // TessState[triangles + kSplitNumbers]
+  gl::Buffer measures_;  // TessMeasure[as many], in the order of the visible list
   gl::Buffer live_;      // uint count, uint ids[]: the last frame's visible list
   const gl::Program* measure_ = nullptr;
   const gl::Program* plan_ = nullptr;

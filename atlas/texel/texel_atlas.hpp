@@ -1,4 +1,4 @@
-// Texel Shading as a gatherer (Hillesland & Yang 2016), the baseline of Mueller et al. 2021, sec. 5.2: charts
+// Texel Shading as a gatherer (Hillesland & Yang 2016), the baseline of Hladky 2019, sec. 5.2: charts
 // with mip levels, of which those tiles are shaded that pixels touch. See glsl/shared/texel.h.
 #pragma once
 

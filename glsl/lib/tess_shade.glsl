@@ -67,10 +67,13 @@ vec4 shadePlace(uint entry, Place at) {
   TessVertex c2 = drawVertices[3u * entry + 2u];
   vec3 w = vec3(c0.w, c1.w, c2.w);
   vec3 b = surfaceFromEvenOutside(at.even, w);
+  // In the whole triangle, whose corners have the attributes.
+  mat3 toWhole = e.piece == 0u ? mat3(1.0) : pieceCorners(pieceOf(e.piece));
   InstanceGpu instance = instances[e.instance];
 
   Surface s;
   s.position = b.x * cornerOf(c0) + b.y * cornerOf(c1) + b.z * cornerOf(c2);
+  b = toWhole * b;
   s.normal =
       transformNormal(instance, b.x * normalOf(e.vertex0) + b.y * normalOf(e.vertex1) + b.z * normalOf(e.vertex2));
 #if defined(USES_UV0) || defined(USES_UV1)
@@ -79,6 +82,7 @@ vec4 shadePlace(uint entry, Place at) {
   vec3 insideB = surfaceFromEven(inside, w);
   mat3 steps = mat3(surfaceStep(insideB, inside, w, at.steps[0]), surfaceStep(insideB, inside, w, at.steps[1]),
                     surfaceStep(insideB, inside, w, at.steps[2]));
+  steps = toWhole * steps;
 #endif
 #ifdef NORMAL_TEX
   vec4 tangent = b.x * tangents[e.vertex0] + b.y * tangents[e.vertex1] + b.z * tangents[e.vertex2];

@@ -11,6 +11,7 @@ layout(std430, binding = BIND_PATCH_STATE) buffer States { TessState states[]; }
 layout(std430, binding = BIND_PATCH_MEASURE) readonly buffer Measures { TessMeasure measures[]; };
 layout(std430, binding = BIND_ATLAS_LIVE) buffer Live { uint liveCount; uint liveIds[]; };
 layout(std430, binding = BIND_VISIBLE) readonly buffer Visible { uint visibleCount; uint visibleIds[]; };
+layout(std430, binding = BIND_SPLIT_PIECES) readonly buffer SplitPieces { TessPieceGpu splitPieces[]; };
 layout(std430, binding = BIND_VISIBLE_MARK) readonly buffer Marks { uint marks[]; };
 
 const uint kNoBin = 0xffffffffu;

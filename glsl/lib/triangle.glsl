@@ -1,8 +1,13 @@
-// A triangle of the scene by its number in the visible set: vertices, counter-clockwise in the world.
+// A triangle of the scene, or a piece of one, by its number in the visible set: counter-clockwise in the world.
+#include "shared/tess_split.h"
 layout(std430, binding = BIND_POSITIONS) readonly buffer Positions { float positions[]; };
 layout(std430, binding = BIND_INSTANCES) readonly buffer Instances { InstanceGpu instances[]; };
 layout(std430, binding = BIND_PATCHES) readonly buffer Patches { PatchGeometry patches[]; };
 layout(std430, binding = BIND_PATCH_INSTANCE) readonly buffer PatchInstances { uint instanceOfPatch[]; };
+#ifndef SPLIT_ACCESS
+#define SPLIT_ACCESS readonly
+#endif
+layout(std430, binding = BIND_SPLIT_PIECES) SPLIT_ACCESS buffer SplitPieces { TessPieceGpu splitPieces[]; };
 
 struct SceneTriangle {
   uint instance;
@@ -25,4 +30,30 @@ SceneTriangle sceneTriangle(uint number) {
 vec3 worldCorner(SceneTriangle triangle, uint vertex) {
   return transformPoint(instances[triangle.instance],
                         vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]));
+}
+// Columns 0 to 2.
+mat3 worldCorners(SceneTriangle triangle) {
+  return mat3(worldCorner(triangle, triangle.vertex0), worldCorner(triangle, triangle.vertex1),
+              worldCorner(triangle, triangle.vertex2));
+}
+
+// What the number stands for: a whole triangle, or a piece of one.
+struct TriangleElement {
+  SceneTriangle triangle;
+  uint piece;  // see packPiece; 0 for a whole one
+  mat3 corners;  // world
+};
+TriangleElement triangleElement(uint number, uint triangles) {
+  TriangleElement element;
+  element.piece = 0u;
+  if (number < triangles) {
+    element.triangle = sceneTriangle(number);
+    element.corners = worldCorners(element.triangle);
+    return element;
+  }
+  TessPieceGpu part = splitPieces[number - triangles];
+  element.piece = part.piece;
+  element.triangle = sceneTriangle(part.triangle);
+  element.corners = worldCorners(element.triangle) * pieceCorners(pieceOf(part.piece));
+  return element;
 }

@@ -15,6 +15,8 @@ layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;
 layout(location = LOCATION_VIEW) uniform mat3 uPixelToRay;
 layout(location = LOCATION_BACKGROUND) uniform vec4 uBackground;
 
+// What two of the branches include: the first one to do so is the only one to get it.
+#include "shared/tess_split.h"
 #if defined(CHARTS)
 #include "lib/texel_seen.glsl"
 #include "lib/texel_find.glsl"

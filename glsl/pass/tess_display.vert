@@ -23,7 +23,7 @@ layout(std430, binding = BIND_COLORS) readonly buffer Colors { vec4 colors[]; };
 layout(location = 0) in vec4 aCorner;  // world, relative to the anchor; weight
 layout(location = 2) out vec3 vWeighted;  // of each corner: interpolated with perspective, proportional to even coordinates
 layout(location = 3) flat out uvec3 vShape;
-layout(location = 4) flat out uvec2 vPlaces;
+layout(location = 4) flat out uvec4 vPlaces;
 
 invariant gl_Position;
 
@@ -33,7 +33,9 @@ void main() {
   vWeighted = vec3(corner == 0u ? aCorner.w : 0.0, corner == 1u ? aCorner.w : 0.0, corner == 2u ? aCorner.w : 0.0);
   TessEntry e = entries[uint(gl_VertexID) / 3u];
   vShape = uvec3(e.shape.kind, e.shape.size, e.shape.form);
-  vPlaces = uvec2(e.place0, e.place1);
+  vPlaces = uvec4(e.place0, e.place1, e.split, uint(gl_VertexID) / 3u);
+  // The whole triangle is drawn, so that its edges are those of its neighbours; its pieces are only sampled.
+  if (e.piece != 0u) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
 #ifdef MASK
   uint v = corner == 0u ? e.vertex0 : (corner == 1u ? e.vertex1 : e.vertex2);
 #ifdef BASE_TEX

@@ -1,5 +1,5 @@
-// Writes what shading and display draw: for each visible triangle an entry and three
-// corners, binned by batch so that a batch is one draw.
+// Writes what shading and display draw: for each visible triangle, and each piece of one, an entry and three corners,
+// binned by batch so that a batch is one draw.
 #include "shared/scene.h"
 #include "shared/blocks.h"
 #include "shared/tess_measure.h"
@@ -18,12 +18,14 @@ layout(std430, binding = BIND_GATHER_VERTICES) writeonly buffer Entries { TessEn
 layout(std430, binding = BIND_TESS_PIECES) writeonly buffer Pieces { uvec2 pieces[]; };
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[TESS_VIEWS]; };
 layout(location = LOCATION_COUNT) uniform uint uBatches;
+layout(location = LOCATION_FRAME) uniform uint uTriangles;
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
   uint number = visibleIds[i];
-  SceneTriangle triangle = sceneTriangle(number);
+  TriangleElement element = triangleElement(number, uTriangles);
+  SceneTriangle triangle = element.triangle;
   TessState state = states[number];
   uint batch = instances[triangle.instance].batch;
   uint entry = batches[batch].firstEntry + atomicAdd(commands[batch].count, 3u) / 3u;
@@ -36,12 +38,14 @@ void main() {
   for (uint part = 0u; part < parts; ++part) pieces[piece + part] = uvec2(entry, part * kTessMostSamples);
   entryOfTriangle[number] = entry;
   entries[entry] = TessEntry(state.shape, state.place0, state.place1, triangle.vertex0, triangle.vertex1,
-                             triangle.vertex2, triangle.instance, 0u, 0u, 0u);
-  vec3 p0 = worldCorner(triangle, triangle.vertex0);
-  vec3 p1 = worldCorner(triangle, triangle.vertex1);
-  vec3 p2 = worldCorner(triangle, triangle.vertex2);
+                             triangle.vertex2, triangle.instance, element.piece, splitCount(state.split),
+                             uTriangles + kSplitBlock * splitBlock(state.split));
+  vec3 p0 = element.corners[0];
+  vec3 p1 = element.corners[1];
+  vec3 p2 = element.corners[2];
   vec3 at = views[0].eye.xyz;
-  vec3 w = depthWeights(p0 - at, p1 - at, p2 - at);
+  // A split triangle's own samples are for views from elsewhere, and may reach around the eye: even on its plane.
+  vec3 w = state.split != 0u ? vec3(1.0) : depthWeights(p0 - at, p1 - at, p2 - at);
   drawVertices[3u * entry] = TessVertex(p0.x, p0.y, p0.z, w.x);
   drawVertices[3u * entry + 1u] = TessVertex(p1.x, p1.y, p1.z, w.y);
   drawVertices[3u * entry + 2u] = TessVertex(p2.x, p2.y, p2.z, w.z);

@@ -14,6 +14,7 @@
 layout(local_size_x = TESS_GROUP) in;
 layout(std430, binding = BIND_VISIBLE) readonly buffer Visible { uint visibleCount; uint visibleIds[]; };
 layout(std430, binding = BIND_PATCH_MEASURE) writeonly buffer Measures { TessMeasure measures[]; };
+layout(std430, binding = BIND_PATCH_STATE) readonly buffer States { TessState states[]; };
 layout(std430, binding = BIND_ATLAS_STATE) buffer AtlasStates { TessAtlasState atlas; };
 layout(std140, binding = BIND_VIEWS) uniform Views { ViewGpu views[TESS_VIEWS]; };
 #ifdef DENSITY
@@ -44,10 +45,11 @@ TessMeasure seenFrom(uint view, vec3 v0, vec3 v1, vec3 v2) {
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
-  SceneTriangle triangle = sceneTriangle(visibleIds[i]);
-  vec3 v0 = worldCorner(triangle, triangle.vertex0);
-  vec3 v1 = worldCorner(triangle, triangle.vertex1);
-  vec3 v2 = worldCorner(triangle, triangle.vertex2);
+  uint number = visibleIds[i];
+  mat3 corners = triangleElement(number, atlas.config.triangles).corners;
+  vec3 v0 = corners[0];
+  vec3 v1 = corners[1];
+  vec3 v2 = corners[2];
   TessMeasure best = seenFrom(0u, v0, v1, v2);
   // A number in a buffer, see rect_measure.comp.
   uint viewCount = atlas.config.views;
@@ -56,7 +58,8 @@ void main() {
     if (longestOf(seen) > longestOf(best)) best = seen;
   }
   measures[i] = best;
-  uint texels = texelsOfShape(shapeAt(best, exp2(-0.5 * atlas.config.constantBias), atlas.config.limits));
+  uint texels = texelsOfShape(shapeAt(best, exp2(-0.5 * atlas.config.constantBias),
+                                     limitsOfSplit(atlas.config.limits, states[number].split)));
   uint part = gl_WorkGroupID.x % kTessIdeals;
   if (texels <= 1u) {
     atomicAdd(atlas.ideal[part].singles, 1u);

@@ -25,7 +25,8 @@ void giveBackAll(TessState state) {
 }
 
 void release(uint triangle) {
-  if (marks[triangle] == uFrame) return;  // still visible: its own thread decides
+  uint seen = triangle < atlas.config.triangles ? marks[triangle] : splitPieces[triangle - atlas.config.triangles].frame;
+  if (seen == uFrame) return;  // still visible: its own thread decides
   if (states[triangle].epoch != atlas.epoch) return;
   if (kindOf(states[triangle].shape.kind) != kTessSingle) {
     giveBackAll(states[triangle]);
@@ -39,7 +40,8 @@ bool sameSize(TessShape a, TessShape b) { return a.kind == b.kind && a.size == b
 void request(uint triangle, TessMeasure measure) {
   TessState state = states[triangle];
   bool known = state.epoch == atlas.epoch;
-  TessShape shape = selectShape(measure, atlas.config.constantBias, atlas.bias, atlas.config.limits, state.shape,
+  TessShape shape = selectShape(measure, atlas.config.constantBias, atlas.bias,
+                                limitsOfSplit(atlas.config.limits, state.split), state.shape,
                                 known ? atlas.config.hysteresis : -1.0);
   if (known && sameSize(shape, state.shape)) {
     if (shape.form != state.shape.form) states[triangle].shape.form = shape.form;  // the same blocks, another foot

@@ -36,6 +36,8 @@
 
 #define BIND_GATHER_VERTICES 22 // GatherVertex[]
 
+#define BIND_SPLIT_PIECES 23       // TessPieceGpu[kSplitNumbers]
+
 #define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
 
 // Shader storage: the tessellation gatherer's atlas. It has the rectangular one's bindings for what is alike, and:
@@ -45,6 +47,10 @@
 #define BIND_TESS_STARTS 13  // uint[entries]
 #define BIND_TESS_GROUPS 14  // TessGroups[batches]
 #define BIND_TESS_PIECES 15  // uvec2[]
+
+// and when it splits triangles, of those that memory phases use:
+#define BIND_SPLIT_STATE 9      // TessSplitState, uint[batches]: pieces of each
+#define BIND_SPLIT_ELEMENTS 10  // as BIND_VISIBLE: triangles and pieces
 
 // Shader storage: Texel Shading's atlas. As above, and:
 #define BIND_TEXEL_TABLE 9     // uint[]: of two tables, places of a number and a slot

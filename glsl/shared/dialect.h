@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 namespace tessera::glsl {
+using glm::mat3;
 using glm::mat4;
 using glm::uvec2;
 using glm::uvec4;

@@ -9,6 +9,7 @@
 #include "shared/lpack.h"
 #include "shared/oversample.h"
 #include "shared/pressure.h"
+#include "shared/tess_split.h"
 TESSERA_SHARED_BEGIN
 
 // Work-group size of the passes over the visible list, see visible_finish.comp.
@@ -47,7 +48,7 @@ struct TessState {
   uint place1;   // of half 1
   uint pending;  // bit 0, 1: the place is the number of a request
   uint epoch;    // that of the atlas when this was written: an older one holds nothing
-  uint unused0;
+  uint split;    // see packSplit; 0 when it is not
 };
 
 SHARED_FN uint kindOf(uint kind) { return kind & kTessKind; }
@@ -138,11 +139,19 @@ struct TessLimits {
 };
 SHARED_CONST float kOverWidest = 1023.0;
 SHARED_CONST float kOverHighest = 127.0;  // texels of the height of a block
+// Of a split triangle, besides its pieces': what shows where a view sees a piece that no gathering view saw.
+SHARED_CONST float kSplitCoarse = 64.0;
+SHARED_FN TessLimits limitsOfSplit(TessLimits limits, uint split) {
+  if (split == 0u) return limits;
+  limits.level = min(limits.level, kSplitCoarse);
+  limits.columns = min(limits.columns, kSplitCoarse);
+  return limits;
+}
 
 struct TessConfig {
   uint width;          // texels
   uint height;         // texels, without the record rows
-  uint triangles;      // triangle numbers
+  uint triangles;      // triangle numbers; those of pieces follow
   uint runs;           // room for runs
   uint views;          // of the measuring pass
   uint biased;         // 1: the bias follows from memory pressure
@@ -207,9 +216,9 @@ struct TessEntry {
   uint vertex1;
   uint vertex2;
   uint instance;
-  uint unused0;
-  uint unused1;
-  uint unused2;
+  uint piece;       // of a triangle, see packPiece; 0 for a whole one
+  uint split;       // pieces along an edge; 0 for a triangle that is not split
+  uint firstPiece;  // number of its first piece
 };
 
 // A corner of one: all that display needs of it. `w` is its weight for perspective, see perspective_map.h.

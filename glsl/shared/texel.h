@@ -1,4 +1,4 @@
-// Texel Shading (Hillesland & Yang 2016; the baseline of Mueller et al. 2021, sec. 5.2): each patch has a chart of its own
+// Texel Shading (Hillesland & Yang 2016; the baseline of Hladky 2019, sec. 5.2): each patch has a chart of its own
 // in an object-space texture with mip levels, of which only those tiles are shaded that pixels touch, at the pixels' level.
 // The texture is virtual: a table says which slot of the atlas a tile has.
 //

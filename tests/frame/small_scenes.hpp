@@ -244,6 +244,7 @@ inline Scene everythingScene() {
   place(scene, addGrid(scene, {-3, -1, -6}, {6, 0, 0}, {0, 3, 0}, 7, 5, lit));
   place(scene, addGrid(scene, {-1, 0.5f, -4}, {0.9f, 0, 0}, {0, 0.9f, 0}, 90, 90, lit));
   place(scene, addGrid(scene, {0.4f, -0.9f, -1}, {0.1f, 0, -2}, {0, 1.2f, 0}, 1, 9, lit));
+  place(scene, addGrid(scene, {-2, -0.9f, -3}, {1.5f, 0, 0}, {0, 1.3f, 0}, 1, 1, lit));
   scene.vertices.tangent.assign(scene.vertices.position.size(), glm::vec4(1, 0, 0, 1));
   finish(scene);
   return scene;

@@ -71,11 +71,13 @@ Image drawn(Engine& engine, const View& view, DisplayMode mode = DisplayMode::Ge
   return engine.readColor();
 }
 
-/// The shapes of what is visible.
+/// The shapes of what is visible: of triangles, and of pieces of split ones.
 std::vector<glsl::TessShape> shapesOf(const Engine& engine) {
-  const auto states = engine.tess()->memory().readStates();
+  const TessMemory& memory = engine.tess()->memory();
+  const auto epoch = memory.readState().epoch;
   std::vector<glsl::TessShape> shapes;
-  for (const std::uint32_t triangle : engine.visibleSet()->read()) shapes.push_back(states[triangle].shape);
+  for (const auto& state : memory.readStates())
+    if (state.epoch == epoch) shapes.push_back(state.shape);
   return shapes;
 }
 std::set<std::uint32_t> kindsOf(const Engine& engine) {
@@ -400,6 +402,154 @@ TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
     }
   }
   EXPECT_TRUE(met) << "no view gave the triangles levels 64 and 65";
+}
+
+// ---- triangles that are split ----
+
+/// A floor of two triangles around the camera, and a wall of two: a batch each. Checks of `checkers` texels
+/// of 256, or white.
+Scene largeScene(int checkers) {
+  Scene scene = test::emptyScene();
+  Material material = test::unlit();
+  material.doubleSided = true;
+  if (checkers > 0) material.baseColor.image = test::addCheckers(scene, 256, checkers);
+  const auto floor = test::addMaterial(scene, material);
+  const auto wall = test::addMaterial(scene, material);
+  test::place(scene, test::addGrid(scene, {-6, -1, 6}, {12, 0, 0}, {0, 0, -12}, 1, 1, floor));
+  test::place(scene, test::addGrid(scene, {-3, -1, -5}, {6, 0, 0}, {0, 3, 0}, 1, 1, wall));
+  test::finish(scene);
+  return scene;
+}
+
+View largeView(double turn = 0.0) {
+  return lookAt({0.3, 0.5, 0}, {0.3 + 4.0 * std::sin(turn), -0.5, -4.0 * std::cos(turn)}, 70.0, 960, 540,
+                0.01);
+}
+
+/// Large enough that nothing is coarser for want of memory.
+TessAtlasOptions largeAtlas(float slanted = 4.0f) {
+  TessAtlasOptions options = tessAtlas(AtlasFormat::Srgb8, slanted);
+  options.memory.width = options.memory.height = 2048;
+  return options;
+}
+
+std::uint32_t splitTriangles(const Engine& engine) { return engine.tess()->split().readSplit(); }
+
+TEST_F(TessFrame, TrianglesThatNeedMoreThanASlotAreSplit) {
+  for (const Method& method : kMethods) {
+    auto engine = make(largeScene(64), largeAtlas(method.slanted));
+    ASSERT_TRUE(engine);
+    const View view = largeView();
+    const Image forward = forwardOf(*engine, view);
+    const Image image = drawn(*engine, view);
+    EXPECT_GT(splitTriangles(*engine), 0u) << method.name;
+    EXPECT_EQ(countCovered(image), countCovered(forward)) << method.name;
+    const auto similarity = mssim(forward, image);
+    ASSERT_TRUE(similarity);
+    std::printf("%s: %u split, MSSIM %.3f, %llu samples\n", method.name, splitTriangles(*engine),
+                similarity->mean, static_cast<unsigned long long>(engine->gatherer()->readSamples()));
+    EXPECT_GT(similarity->mean, 0.9) << method.name;
+    EXPECT_LE(largestDifference(drawn(*engine, view, DisplayMode::Deferred), image), 2) << method.name;
+    EXPECT_EQ(engine->tess()->memory().readStatistics().moved, 0u) << "a still camera moves nothing";
+  }
+}
+
+TEST_F(TessFrame, PiecesMeetWithoutASeamAndAreShadedInEveryWay) {
+  auto engine = make(largeScene(0), largeAtlas());
+  ASSERT_TRUE(engine);
+  const View view = largeView();
+  std::vector<std::uint8_t> first;
+  for (const TessSpawn& spawn : {TessSpawn{TessGather::Compute, 64}, TessSpawn{TessGather::Tess, 64},
+                                 TessSpawn{TessGather::Raster, 64}}) {
+    ASSERT_TRUE(engine->setSpawn(spawn));
+    engine->findVisible({&view, 1});
+    ASSERT_TRUE(engine->place({&view, 1}));
+    EXPECT_GT(splitTriangles(*engine), 0u);
+    blackenAtlas(*engine);
+    engine->shade(view);
+    for (const DisplayMode mode : {DisplayMode::Geometry, DisplayMode::Deferred}) {
+      engine->display(view, mode);
+      const Image image = engine->readColor();
+      EXPECT_GT(countCovered(image), 10000u);
+      EXPECT_EQ(darkPixels(image), 0u) << "way " << static_cast<int>(spawn.gather);
+    }
+  }
+}
+
+TEST_F(TessFrame, OnlyPiecesInViewAreShadedAndTheOthersAreNeverBlack) {
+  auto engine = make(largeScene(0), largeAtlas());
+  ASSERT_TRUE(engine);
+  const View view = largeView();
+  const View turned = largeView(1.2);
+  engine->findVisible({&view, 1});
+  ASSERT_TRUE(engine->place({&view, 1}));
+  const auto one = engine->gatherer()->readSamples();
+  const std::array<View, 2> both = {view, turned};
+  engine->findVisible(both);
+  ASSERT_TRUE(engine->place(both));
+  const auto two = engine->gatherer()->readSamples();
+  EXPECT_GT(static_cast<double>(two), 1.2 * static_cast<double>(one));
+  blackenAtlas(*engine);
+  engine->shade(view);
+  for (const View& shown : both) {
+    engine->display(shown);
+    EXPECT_EQ(darkPixels(engine->readColor()), 0u);
+  }
+  // Placed for one view, shown from the other, for which pieces are missing.
+  engine->findVisible({&view, 1});
+  ASSERT_TRUE(engine->place({&view, 1}));
+  EXPECT_LT(engine->gatherer()->readSamples(), two) << "pieces that nobody sees are given up";
+  blackenAtlas(*engine);
+  engine->shade(view);
+  engine->display(turned);
+  const Image shown = engine->readColor();
+  EXPECT_GT(countCovered(shown), 10000u);
+  EXPECT_EQ(darkPixels(shown), 0u);
+}
+
+TEST_F(TessFrame, PiecesThatNobodySawShowTheirTriangleCoarsely) {
+  auto engine = make(largeScene(4), largeAtlas());
+  ASSERT_TRUE(engine);
+  const View view = largeView();
+  const View turned = largeView(1.2);
+  const Image forward = forwardOf(*engine, turned);
+  engine->findVisible({&view, 1});
+  ASSERT_TRUE(engine->place({&view, 1}));
+  engine->shade(view);
+  for (const DisplayMode mode : {DisplayMode::Geometry, DisplayMode::Deferred}) {
+    if (mode == DisplayMode::Deferred) {
+      engine->findVisible({&turned, 1});  // ids of that view; places are still the other's
+    }
+    engine->display(turned, mode);
+    EXPECT_LT(meanDifference(engine->readColor(), forward), 5.0) << static_cast<int>(mode);
+  }
+}
+
+TEST_F(TessFrame, MoreSplitTrianglesThanBlocksAreSampledCoarsely) {
+  // Stripes across a wall and the view, each too long for a slot, more than there are blocks for.
+  Scene scene = test::emptyScene();
+  const auto white = test::addMaterial(scene, test::unlit());
+  test::place(scene, test::addGrid(scene, {-9, -0.8f, -1}, {18, 0, 0}, {0, 1.6f, 0}, 1, 300, white));
+  test::finish(scene);
+  auto engine = make(std::move(scene));
+  ASSERT_TRUE(engine);
+  const View view = lookAt({0, 0, 0}, {0, 0, -1}, 90.0, 1600, 1080, 0.01);
+  for (int frame = 0; frame < 3; ++frame) {
+    engine->findVisible({&view, 1});
+    ASSERT_TRUE(engine->place({&view, 1}));
+    EXPECT_EQ(splitTriangles(*engine), glsl::kSplitBlocks);
+    blackenAtlas(*engine);
+    engine->shade(view);
+    engine->display(view);
+    const Image image = engine->readColor();
+    EXPECT_GT(countCovered(image), 10000u);
+    EXPECT_EQ(darkPixels(image), 0u);
+  }
+  // What is gone gives its numbers back.
+  const View away = lookAt({0, 0, 0}, {0, 1, 0.01}, 60.0, 960, 540, 0.01);
+  engine->findVisible({&away, 1});
+  ASSERT_TRUE(engine->place({&away, 1}));
+  EXPECT_EQ(splitTriangles(*engine), 0u);
 }
 
 // ---- materials ----

@@ -5,8 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include <glm/glm.hpp>
 
 #include "atlas/visible_set.hpp"
 #include "engine/gl/program.hpp"
@@ -71,6 +74,12 @@ class Gatherer {
   Gatherer& operator=(const Gatherer&) = delete;
   virtual ~Gatherer() = default;
 
+  /// A new visible set begins. What follows until allocate() is for the next frame: display still shows the
+  /// last.
+  virtual void beginViews() {}
+  /// What one view sees, or each layer of `ids` (see VisibleSet::add); the views are in the uniform buffer
+  /// BIND_VIEWS. `pixelToRay`: one a view, see pixelToRay() in engine/frame/view.hpp.
+  virtual void addViews(const gl::Texture& /*ids*/, std::span<const glm::mat3> /*pixelToRay*/) {}
   /// Level of each visible element; the views are in the uniform buffer BIND_VIEWS. `measure` is another
   /// permutation of the measuring pass, or null for the plain one.
   virtual void selectLevels(const VisibleSet& visible, std::uint32_t viewCount,

@@ -205,9 +205,17 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   if (choice.slanted > 0.0) tess.slanted = static_cast<float>(choice.slanted);
   if (choice.sampling == Sampling::LPack) tess.slanted = TessMemoryOptions::kNoneSlanted;
   if (choice.sampling == Sampling::Oversample) tess.slanted = TessMemoryOptions::kAllSlanted;
-  if (choice.sampling != Sampling::Rect) options.gatherer = GathererKind::Tess;
+  TexelAtlasOptions& texel = options.texel;
+  texel.width = memory.width;
+  texel.height = memory.height;
+  texel.bias = memory.bias;
+  texel.biasFloor = memory.biasFloor;
+  texel.pressureBias = memory.pressureBias;
+  if (choice.sampling != Sampling::Rect)
+    options.gatherer = choice.sampling == Sampling::Texel ? GathererKind::Texel : GathererKind::Tess;
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
   options.tess.format = options.atlas.format;
+  texel.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
 }

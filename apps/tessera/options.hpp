@@ -37,8 +37,9 @@ struct StageChoice {
 /// Values of AtlasChoice::gather.
 const std::vector<std::string>& gatherNames();
 
-/// What fills an atlas: rectangles, or the tessellation gatherer with both of its ways to sample or one.
-enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample };
+/// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or Texel
+/// Shading.
+enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample, Texel };
 
 struct AtlasChoice {
   Sampling sampling = Sampling::Rect;

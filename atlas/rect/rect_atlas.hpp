@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "atlas/gatherer.hpp"
+#include "atlas/patch_draw.hpp"
 #include "atlas/rect/memory.hpp"
-#include "glsl/shared/blocks.h"
 
 namespace tessera {
 
@@ -47,14 +47,7 @@ class RectAtlas final : public Gatherer {
  private:
   RectMemory memory_;
   AtlasTexture atlas_;
-  gl::Buffer entries_;   // uint[patch instances]: first draw entry | mirrored << 31
-  gl::Buffer vertices_;  // DisplayVertex[4 * entries]
-  gl::Buffer gather_;    // GatherVertex[4 * entries]
-  gl::Buffer batches_;   // BatchGpu[batches]
-  gl::Buffer commands_;  // DrawCommand[batches]
-  gl::Buffer emptyCommands_;
-  gl::Buffer indices_;
-  gl::VertexArray vertexArray_;
+  PatchDraw draw_;
   const gl::Program* emit_ = nullptr;
 };
 

@@ -152,6 +152,7 @@ void Engine::findVisible(std::span<const View> views) {
   const auto guard = s.guard();
   s.bindScene();
   s.visible->begin();
+  s.gatherer()->beginViews();
   const bool layered = views.size() > 1 && s.drawsIdLayers();
   s.idsInLayers = layered;
   for (std::size_t first = 0; first < views.size();) {
@@ -178,7 +179,12 @@ void Engine::findVisible(std::span<const View> views) {
       s.drawDepthList(list, &BatchPrograms::idLayers, true, -1);
       s.buffers.stepInstances(1);
     });
-    s.pass("mark", [&] { s.visible->add(target.ids); });
+    s.pass("mark", [&] {
+      s.visible->add(target.ids);
+      std::vector<glm::mat3> rays;
+      for (const View& view : drawn) rays.emplace_back(pixelToRay(view));
+      s.gatherer()->addViews(target.ids, rays);
+    });
     first += atOnce;
   }
   s.visible->finish();

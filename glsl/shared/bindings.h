@@ -53,6 +53,14 @@
 #define BIND_SPLIT_STATE 9      // TessSplitState, uint[batches]: pieces of each
 #define BIND_SPLIT_ELEMENTS 10  // as BIND_VISIBLE: triangles and pieces
 
+// Shader storage: Texel Shading's atlas. As above, and:
+#define BIND_TEXEL_TABLE 9     // uint[]: of two tables, places of a number and a slot
+#define BIND_TEXEL_BATCHES 10  // TexelBatch[]
+#define BIND_TEXEL_CHARTS 13   // TexelChart[patch instances]
+#define BIND_TEXEL_WANTED 16   // uvec2[]: tiles before they have slots
+#define BIND_TEXEL_TILES 17    // TexelTile[2 * slots]
+#define BIND_TEXEL_QUEUE 23    // TexelTile[slots]
+
 #define BIND_STORAGE_COUNT 25   // of the above
 
 // Uniform buffers

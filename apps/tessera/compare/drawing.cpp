@@ -32,8 +32,9 @@ Result<void> useAtlas(Engine& engine, const Method& method) {
   if (!method.usesAtlas()) return {};
   auto setup = engineOptions(method.atlas);
   if (!setup) return tl::unexpected(setup.error());
-  return setup->gatherer == GathererKind::Tess ? engine.remakeAtlas(setup->tess)
-                                               : engine.remakeAtlas(setup->atlas.memory);
+  return setup->gatherer == GathererKind::Tess    ? engine.remakeAtlas(setup->tess)
+         : setup->gatherer == GathererKind::Texel ? engine.remakeAtlas(setup->texel)
+                                                  : engine.remakeAtlas(setup->atlas.memory);
 }
 
 std::vector<View> eyesOf(const Method& method, const View& view, double eyeDistance) {

@@ -16,7 +16,7 @@ struct KindName {
   Kind kind;
   Sampling sampling = Sampling::Rect;
 };
-constexpr std::array<KindName, 17> kKinds = {
+constexpr std::array<KindName, 20> kKinds = {
     {{"forward", Kind::Forward},
      {"forward-prepass", Kind::ForwardPrepass},
      {"forward-lanczos", Kind::ForwardLanczos},
@@ -33,7 +33,10 @@ constexpr std::array<KindName, 17> kKinds = {
      {"lpack-stereo", Kind::RectStereo, Sampling::LPack},
      {"oversample", Kind::Rect, Sampling::Oversample},
      {"oversample-deferred", Kind::RectDeferred, Sampling::Oversample},
-     {"oversample-stereo", Kind::RectStereo, Sampling::Oversample}}};
+     {"oversample-stereo", Kind::RectStereo, Sampling::Oversample},
+     {"texel", Kind::Rect, Sampling::Texel},
+     {"texel-deferred", Kind::RectDeferred, Sampling::Texel},
+     {"texel-stereo", Kind::RectStereo, Sampling::Texel}}};
 
 /// The number after "key=", in [least, most].
 Result<double> numberOf(std::string_view value, double least, double most) {

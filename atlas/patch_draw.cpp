@@ -76,4 +76,15 @@ std::size_t PatchDraw::bytes() const {
   return entries_.size() + vertices_.size() + gather_.size() + commands_.size() + indices_.size();
 }
 
+std::uint64_t PatchDraw::readVertices() const {
+  constexpr std::uint64_t kVertices = 4;  // a draw entry
+  constexpr std::uint64_t kIndices = 6;
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  std::uint64_t entries = 0;
+  for (const glsl::DrawCommand& command :
+       commands_.readAll<glsl::DrawCommand>(commands_.size() / sizeof(glsl::DrawCommand)))
+    entries += command.count / kIndices;
+  return entries * kVertices;
+}
+
 }  // namespace tessera

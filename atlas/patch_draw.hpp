@@ -21,6 +21,8 @@ class PatchDraw {
   void bind() const;
   void draw(std::uint32_t firstBatch, std::uint32_t count) const;
   [[nodiscard]] std::size_t bytes() const;
+  /// Vertices that display reads of what emit() wrote; blocking readback.
+  [[nodiscard]] std::uint64_t readVertices() const;
 
  private:
   gl::Buffer entries_;   // uint[patch instances]: first draw entry | mirrored << 31

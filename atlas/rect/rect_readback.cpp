@@ -7,9 +7,6 @@ namespace {
 
 enum Kind : std::uint8_t { kBlock = 1, kSingle = 2 };  // 1 + index in GatherStatistics::kinds
 
-constexpr std::uint32_t kVertices = 4;  // a draw entry
-constexpr std::uint32_t kIndices = 6;
-
 }  // namespace
 
 GatherStatistics RectAtlas::readStatistics() const {
@@ -23,13 +20,9 @@ GatherStatistics RectAtlas::readStatistics() const {
   statistics.liveTexels = memory.liveTexels;
   statistics.usedTexels =
       memory.liveTexels + memory.endTexels + memory.stackTexels + memory.inaccessibleTexels + memory.records;
-  std::uint64_t entries = 0;
-  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  for (const glsl::DrawCommand& command :
-       commands_.readAll<glsl::DrawCommand>(commands_.size() / sizeof(glsl::DrawCommand)))
-    entries += command.count / kIndices;
-  statistics.displayBytes = entries * kVertices * sizeof(glsl::DisplayVertex);
-  statistics.decodeBytes = entries * kVertices * sizeof(glsl::DisplayVertex::texel);
+  const std::uint64_t vertices = draw_.readVertices();
+  statistics.displayBytes = vertices * sizeof(glsl::DisplayVertex);
+  statistics.decodeBytes = vertices * sizeof(glsl::DisplayVertex::texel);
   statistics.failures = memory.failures;
   statistics.resets = memory.resets;
   statistics.bias = static_cast<double>(memory.bias);

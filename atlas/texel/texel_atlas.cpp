@@ -247,6 +247,9 @@ GatherStatistics TexelAtlas::readStatistics() const {
   statistics.visible = counts.visible;
   statistics.liveTexels = kTileTexels * counts.tiles;
   statistics.usedTexels = statistics.liveTexels + counts.visible;
+  const std::uint64_t vertices = draw_.readVertices();
+  statistics.displayBytes = vertices * sizeof(glsl::DisplayVertex);
+  statistics.decodeBytes = vertices * sizeof(glsl::DisplayVertex::texel);
   statistics.failures = counts.lost;
   statistics.bias = static_cast<double>(counts.bias);
   return statistics;

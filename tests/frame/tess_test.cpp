@@ -627,7 +627,7 @@ TEST_F(TessFrame, GatherersAreExchangedBackAndForth) {
 }
 
 TEST_F(TessFrame, EachTexelOfTheStatisticsHasItsKind) {
-  auto engine = make(whiteScene());
+  auto engine = make(test::whiteScene());
   ASSERT_TRUE(engine);
   const View view = cornerView();
   TessAtlasOptions options = tessAtlas();
@@ -654,7 +654,7 @@ TEST_F(TessFrame, EachTexelOfTheStatisticsHasItsKind) {
 }
 
 TEST_F(TessFrame, SlantIsOfTheTriangleThatAPixelShows) {
-  auto engine = make(whiteScene());
+  auto engine = make(test::whiteScene());
   ASSERT_TRUE(engine);
   const View view = cornerView();
   EXPECT_TRUE(engine->readIds().empty());

@@ -34,8 +34,8 @@ struct CameraChoice {
 struct StageChoice {
   std::string file;
 };
-/// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or Texel
-/// Shading.
+/// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or
+/// Texel Shading.
 enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample, Texel };
 
 struct AtlasChoice {

@@ -32,7 +32,9 @@ class RectAtlas final : public Gatherer {
   void emit(const VisibleSet& visible) override;
   void bind() const override;
   /// With a program of pass/gather.vert in use.
-  void shadeBatch(const gl::Program& /*program*/, std::uint32_t batch) const override { drawBatches(batch, 1); }
+  void shadeBatch(const gl::Program& /*program*/, std::uint32_t batch) const override {
+    drawBatches(batch, 1);
+  }
   /// With a program of pass/display.vert in use.
   void drawBatches(std::uint32_t first, std::uint32_t count) const override;
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }

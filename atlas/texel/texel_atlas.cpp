@@ -126,7 +126,7 @@ void TexelAtlas::beginViews() {
   const bool placed = !open_;
   if (placed) current_ = 1 - current_;
   open_ = true;
-  bind();
+  bindMemory();
   // The last frame's shaders wrote what is cleared here.
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT);
   table_.fill(0, current_ * table_.size() / 2, table_.size() / 2);
@@ -137,7 +137,7 @@ void TexelAtlas::beginViews() {
 }
 
 void TexelAtlas::addViews(const gl::Texture& ids, std::span<const glm::mat3> pixelToRay) {
-  bind();
+  bindMemory();
   ids.bind(UNIT_ID);
   const gl::Program& mark = ids.layers() > 0 ? *markLayers_ : *mark_;
   mark.use();
@@ -153,7 +153,7 @@ void TexelAtlas::addViews(const gl::Texture& ids, std::span<const glm::mat3> pix
 void TexelAtlas::allocate(const VisibleSet& /*visible*/) {
   if (!open_) return;
   open_ = false;
-  bind();
+  bindMemory();
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl::api().CopyNamedBufferSubData(emptyBatches_.get(), batches_.get(), 0, 0,
                                    static_cast<GLsizeiptr>(batches_.size()));
@@ -175,8 +175,7 @@ void TexelAtlas::emit(const VisibleSet& visible) {
   runOver(*queuePass_, state_, offsetof(glsl::TexelState, tileGroupsX));
 }
 
-void TexelAtlas::bind() const {
-  draw_.bind();
+void TexelAtlas::bindMemory() const {
   state_.bindStorage(BIND_ATLAS_STATE);
   charts_.bindStorage(BIND_TEXEL_CHARTS);
   table_.bindStorage(BIND_TEXEL_TABLE);
@@ -184,6 +183,11 @@ void TexelAtlas::bind() const {
   tiles_.bindStorage(BIND_TEXEL_TILES);
   stack_.bindStorage(BIND_ATLAS_STACKS);
   batches_.bindStorage(BIND_TEXEL_BATCHES);
+}
+
+void TexelAtlas::bind() const {
+  draw_.bind();
+  bindMemory();
   queue_.bindStorage(BIND_TEXEL_QUEUE);
 }
 

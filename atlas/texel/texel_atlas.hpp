@@ -73,6 +73,8 @@ class TexelAtlas final : public Gatherer {
   [[nodiscard]] std::vector<glsl::TexelTile> readTiles() const;
 
  private:
+  /// What the passes before shading read and write.
+  void bindMemory() const;
   [[nodiscard]] glsl::TexelState readState() const;
 
   AtlasTexture atlas_;

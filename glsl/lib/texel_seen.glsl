@@ -1,5 +1,5 @@
-// What a pixel of the id buffer sees of a patch's chart: its place, and how that changes to the next pixels of its quad,
-// as the derivatives of a fragment shader do.
+// What a pixel of the id buffer sees of a patch's chart: its place, and how that changes to the next pixels of its
+// quad, as the derivatives of a fragment shader do.
 #include "shared/scene.h"
 #include "shared/interpolate.h"
 #include "shared/texel.h"

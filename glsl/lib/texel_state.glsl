@@ -1,5 +1,5 @@
-// The buffers of Texel Shading's memory, and its table: a hash of tile numbers with linear probing, one for the frame that
-// is written and one for the frame before.
+// The buffers of Texel Shading's memory, and its table: a hash of tile numbers with linear probing, one for the frame
+// that is written and one for the frame before.
 // DISPLAYED: only read, and of the frame that display shows.
 #include "shared/bindings.h"
 #include "shared/texel.h"
@@ -11,7 +11,7 @@
 
 layout(std430, binding = BIND_TEXEL_CHARTS) readonly buffer Charts { TexelChart charts[]; };
 layout(std430, binding = BIND_ATLAS_STATE) TEXEL_ACCESS buffer TexelStates { TexelState texels; };
-layout(std430, binding = BIND_TEXEL_TABLE) TEXEL_ACCESS buffer Table { uint table[]; };  // number, slot + 1 of each place
+layout(std430, binding = BIND_TEXEL_TABLE) TEXEL_ACCESS buffer Table { uint table[]; };  // a number and a slot + 1 each
 #ifndef DISPLAYED
 layout(std430, binding = BIND_TEXEL_TILES) buffer Tiles { TexelTile tiles[]; };
 layout(std430, binding = BIND_TEXEL_WANTED) buffer Wanted { uvec2 wantedTiles[]; };  // patch instance, tile

@@ -1,4 +1,5 @@
-// Shades a batch's part of the queue, a group a tile and a thread a texel; or the records of its patches, a thread each.
+// Shades a batch's part of the queue, a group a tile and a thread a texel; or the records of its patches, a thread
+// each.
 #define SURFACE_STEPS
 #include "shared/bindings.h"
 #include "shared/blocks.h"

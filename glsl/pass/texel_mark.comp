@@ -1,5 +1,5 @@
-// Marks the tiles that a view's pixels touch, at the level of each pixel (Hillesland & Yang 2016). Patches are told apart,
-// so a bilinear fetch needs no tile but the one that its place is in.
+// Marks the tiles that a view's pixels touch, at the level of each pixel (Hillesland & Yang 2016). Tiles share their
+// borders, so a bilinear fetch needs no tile but the one that its place is in.
 #include "shared/bindings.h"
 #include "lib/texel_want.glsl"
 #include "lib/texel_seen.glsl"

@@ -59,7 +59,8 @@
 #define BIND_TEXEL_CHARTS 13   // TexelChart[patch instances]
 #define BIND_TEXEL_WANTED 16   // uvec2[]: tiles before they have slots
 #define BIND_TEXEL_TILES 17    // TexelTile[2 * slots]
-#define BIND_TEXEL_QUEUE 23    // TexelTile[slots]
+// and when it shades, of those that only memory phases read:
+#define BIND_TEXEL_QUEUE 15    // TexelTile[slots]
 
 #define BIND_STORAGE_COUNT 25   // of the above
 

@@ -1,10 +1,10 @@
-// Texel Shading (Hillesland & Yang 2016; the baseline of Hladky 2019, sec. 5.2): each patch has a chart of its own
-// in an object-space texture with mip levels, of which only those tiles are shaded that pixels touch, at the pixels' level.
-// The texture is virtual: a table says which slot of the atlas a tile has.
+// Texel Shading (Hillesland & Yang 2016; the baseline of Hladky 2019, sec. 5.2): each patch has a chart of
+// its own in an object-space texture with mip levels, of which only those tiles are shaded that pixels touch,
+// at the pixels' level. The texture is virtual: a table says which slot of the atlas a tile has.
 //
-// A tile is 8 x 8 texels and 7 x 7 cells between them: neighbours share a row of texels, so that a bilinear fetch never
-// leaves a tile. A chart has 7 * 2^n cells along a side at its finest level, so tiles of one level lie exactly in those of
-// the next.
+// A tile is 8 x 8 texels and 7 x 7 cells between them: neighbours share a row of texels, so that a bilinear
+// fetch never leaves a tile. A chart has 7 * 2^n cells along a side at its finest level, so tiles of one
+// level lie exactly in those of the next.
 #ifndef TESSERA_GLSL_SHARED_TEXEL_H
 #define TESSERA_GLSL_SHARED_TEXEL_H
 #include "shared/dialect.h"
@@ -13,15 +13,16 @@ TESSERA_SHARED_BEGIN
 
 #define TEXEL_GROUP 64
 
-SHARED_CONST uint kTexelTile = 8u;   // texels a side
-SHARED_CONST uint kTexelCells = 7u;  // cells a side
+SHARED_CONST uint kTexelTile = 8u;         // texels a side
+SHARED_CONST uint kTexelCells = 7u;        // cells a side
 SHARED_CONST uint kTexelLargestLog2 = 8u;  // tiles along a chart's side, at most 2^8
-// Levels below the one with a single tile: of 4, 2 and 1 cells. Beyond them is the record: one texel, always there.
+// Levels below the one with a single tile: of 4, 2 and 1 cells. Beyond them is the record: one texel, always
+// there.
 SHARED_CONST uint kTexelSmallLevels = 3u;
 SHARED_CONST uint kTexelLevels = kTexelLargestLog2 + kTexelSmallLevels + 1u;
 // How often a frame may make all tiles a level coarser: enough for nothing but records to be left.
 SHARED_CONST uint kTexelRounds = kTexelLevels;
-SHARED_CONST uint kTexelProbes = 256u;  // places of the table that a tile may be in
+SHARED_CONST uint kTexelProbes = 256u;           // places of the table that a tile may be in
 SHARED_CONST uint kChartRepeated = 0x80000000u;  // of a draw entry: another one has the same patch
 
 // Of a patch instance. 8 bytes.
@@ -34,12 +35,17 @@ SHARED_CONST uint kChartSingle = 65536u;  // the patch is one triangle, below th
 SHARED_FN uint chartX(TexelChart chart) { return chart.size & 255u; }
 SHARED_FN uint chartY(TexelChart chart) { return (chart.size >> 8u) & 255u; }
 // The level of the record: one past the chart's coarsest.
-SHARED_FN uint recordLevel(TexelChart chart) { return max(chartX(chart), chartY(chart)) + kTexelSmallLevels + 1u; }
-SHARED_FN uint tilesAlong(uint log2Tiles, uint level) { return level < log2Tiles ? 1u << (log2Tiles - level) : 1u; }
+SHARED_FN uint recordLevel(TexelChart chart) {
+  return max(chartX(chart), chartY(chart)) + kTexelSmallLevels + 1u;
+}
+SHARED_FN uint tilesAlong(uint log2Tiles, uint level) {
+  return level < log2Tiles ? 1u << (log2Tiles - level) : 1u;
+}
 SHARED_FN uint cellsAlong(uint log2Tiles, uint level) {
   return level <= log2Tiles ? kTexelCells << (log2Tiles - level) : max(kTexelTile >> (level - log2Tiles), 1u);
 }
-// Tiles of all levels before `level`: a quarter at each level while both sides halve, then a half, then one at each.
+// Tiles of all levels before `level`: a quarter at each level while both sides halve, then a half, then one
+// at each.
 SHARED_FN uint tilesBefore(TexelChart chart, uint level) {
   uint shorter = min(chartX(chart), chartY(chart));
   uint longer = max(chartX(chart), chartY(chart));
@@ -63,7 +69,8 @@ SHARED_FN uint tileChartY(uint tile) { return tile >> 24u; }
 // The number of a tile among those of all charts: what the table is asked for.
 SHARED_FN uint tileNumber(TexelChart chart, uint tile) {
   uint level = tileLevel(tile);
-  return chart.base + tilesBefore(chart, level) + tileY(tile) * tilesAlong(chartX(chart), level) + tileX(tile);
+  return chart.base + tilesBefore(chart, level) + tileY(tile) * tilesAlong(chartX(chart), level) +
+         tileX(tile);
 }
 // The tile that holds what this one does, a level coarser. Only below the record's level.
 SHARED_FN uint coarserTile(TexelChart chart, uint tile) {
@@ -75,11 +82,12 @@ SHARED_FN uint coarserTile(TexelChart chart, uint tile) {
 SHARED_FN uint tileAt(TexelChart chart, uint level, vec2 at) {
   uint x = uint(at.x * float(cellsAlong(chartX(chart), level))) / kTexelCells;
   uint y = uint(at.y * float(cellsAlong(chartY(chart), level))) / kTexelCells;
-  return packTile(min(x, tilesAlong(chartX(chart), level) - 1u), min(y, tilesAlong(chartY(chart), level) - 1u), level,
-                  chart);
+  return packTile(min(x, tilesAlong(chartX(chart), level) - 1u),
+                  min(y, tilesAlong(chartY(chart), level) - 1u), level, chart);
 }
 
-// The place in the patch that is meant by one: interpolation on a triangle that is seen edge-on leads out of it.
+// The place in the patch that is meant by one: interpolation on a triangle that is seen edge-on leads out of
+// it.
 SHARED_FN vec2 placeInChart(TexelChart chart, vec2 at) {
   vec2 inside = vec2(clamp(at.x, kLevelZero, kLevelOne), clamp(at.y, kLevelZero, kLevelOne));
   if ((chart.size & kChartSingle) != 0u && inside.y > inside.x) {
@@ -89,16 +97,17 @@ SHARED_FN vec2 placeInChart(TexelChart chart, vec2 at) {
   return inside;
 }
 
-// The level whose cells are as large as a pixel along the direction in which they are largest, to the nearest level.
-// dx, dy: how the place in the chart, (0,0) to (1,1), changes from a pixel to the next; bias: log2 of area, 1 halves the
-// texels. Any float, NaN and infinity included, gives a level of the chart or its record.
+// The level whose cells are as large as a pixel along the direction in which they are largest, to the nearest
+// level. dx, dy: how the place in the chart, (0,0) to (1,1), changes from a pixel to the next; bias: log2 of
+// area, 1 halves the texels. Any float, NaN and infinity included, gives a level of the chart or its record.
 SHARED_FN uint texelLevel(TexelChart chart, vec2 dx, vec2 dy, float bias) {
   vec2 cells = vec2(float(cellsAlong(chartX(chart), 0u)), float(cellsAlong(chartY(chart), 0u)));
   vec2 alongX = dx * cells;
   vec2 alongY = dy * cells;
   float longest = max(dot(alongX, alongX), dot(alongY, alongY));
   if (!isFiniteNumber(longest)) return recordLevel(chart);
-  float level = kLevelHalf * (log2(max(longest, kSmallestArea)) + clamp(bias, -kLargestBias, kLargestBias)) + kLevelHalf;
+  float level = kLevelHalf * (log2(max(longest, kSmallestArea)) + clamp(bias, -kLargestBias, kLargestBias)) +
+                kLevelHalf;
   return uint(clamp(floor(level), kLevelZero, float(recordLevel(chart))));
 }
 
@@ -168,32 +177,32 @@ struct TexelConfig {
   uint wanted;     // room for tiles before they are made to fit
   uint table;      // places of a table, a power of two
   uint batches;
-  uint biased;  // 1: the bias follows from memory pressure
+  uint biased;         // 1: the bias follows from memory pressure
   float constantBias;  // log2 of area
   float lowestBias;
 };
 
 struct TexelState {
   TexelConfig config;
-  uint current;   // which half of tables and tiles this frame writes
-  uint shown;     // which half the last frame that was placed wrote
+  uint current;  // which half of tables and tiles this frame writes
+  uint shown;    // which half the last frame that was placed wrote
   TexelPressure pressure;
-  uint coarser;   // levels by which this frame's tiles were made coarser
-  float shownBias;   // of the last frame that was placed, all of it
+  uint coarser;     // levels by which this frame's tiles were made coarser
+  float shownBias;  // of the last frame that was placed, all of it
   uint shownCoarser;
-  uint marked;    // tiles that pixels asked for, before they were made to fit
-  uint lost;      // of them those that could not be written down
-  uint source;    // which half of the wanted tiles counts
-  uint fitting;   // 1: they were too many
-  uint wanted0;   // tiles in each half
+  uint marked;   // tiles that pixels asked for, before they were made to fit
+  uint lost;     // of them those that could not be written down
+  uint source;   // which half of the wanted tiles counts
+  uint fitting;  // 1: they were too many
+  uint wanted0;  // tiles in each half
   uint wanted1;
-  uint tiles0;    // tiles with slots in each half
+  uint tiles0;  // tiles with slots in each half
   uint tiles1;
   int freeSlots;
   uint frames;
-  uint visible;  // patches
-  uint samples;  // texels to shade in this frame's tiles
-  uint kept;     // tiles that had their slot in the last frame
+  uint visible;       // patches
+  uint samples;       // texels to shade in this frame's tiles
+  uint kept;          // tiles that had their slot in the last frame
   uint clearGroupsX;  // indirect arguments
   uint clearGroupsY;
   uint clearGroupsZ;
@@ -210,14 +219,14 @@ struct TexelState {
 
 SHARED_FN uint texelGroups(uint threads) { return (threads + uint(TEXEL_GROUP) - 1u) / uint(TEXEL_GROUP); }
 
-// Frames without want of slots after which the pressure bias falls. Each time that it then asks for too much again, twice as
-// many, up to the most: where tiles do not get fewer by and by, a still picture shall rest.
+// Frames without want of slots after which the pressure bias falls. Each time that it then asks for too much
+// again, twice as many, up to the most: where tiles do not get fewer by and by, a still picture shall rest.
 SHARED_CONST uint kTexelQuiet = 40u;
 SHARED_CONST uint kTexelLongestQuiet = 1280u;
 SHARED_CONST float kTexelRelief = 0.05;  // log2 of area in a frame
 
-// What follows in a frame from the last one's load: `marked` tiles for `slots`. The bias rises to where some 95 % of the
-// slots are asked for, if tiles fall to half with each step of it, as those of large patches do.
+// What follows in a frame from the last one's load: `marked` tiles for `slots`. The bias rises to where some
+// 95 % of the slots are asked for, if tiles fall to half with each step of it, as those of large patches do.
 SHARED_FN TexelPressure nextTexelPressure(TexelPressure pressure, uint marked, uint slots, float lowest) {
   float load = float(max(marked, 1u)) / float(slots);
   if (marked > slots) {

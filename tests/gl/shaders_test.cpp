@@ -69,8 +69,9 @@ std::vector<std::string> permutationsOf(const std::string& path) {
     all = {"", "CHARTS"};
   } else if (path == "pass/texel_mark.comp") {
     all = {"", "LAYERS"};
-  } else if (path == "pass/tess_gather.comp" || path == "pass/texel_gather.comp" || path == "pass/tess_raster.frag" ||
-             path == "pass/tess_spawn.tesc" || path == "pass/tess_spawn.tese") {
+  } else if (path == "pass/tess_gather.comp" || path == "pass/texel_gather.comp" ||
+             path == "pass/tess_raster.frag" || path == "pass/tess_spawn.tesc" ||
+             path == "pass/tess_spawn.tese") {
     // What gathers is never masked, and never blends.
     const std::string group = path == "pass/tess_gather.comp" ? " GROUP=64" : "";
     for (const std::string& defines : surface)

@@ -92,10 +92,12 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command
       .add_option(
           "--gather", choice.gather,
-          "how the tessellation gatherer spawns its samples: raster, tess, or compute-N by groups of N "
-          "threads (32, 64, 128, 256, 512)")
-      ->check(CLI::IsMember(
-          {"raster", "tess", "compute-32", "compute-64", "compute-128", "compute-256", "compute-512"}));
+          "how the tessellation gatherer spawns its samples: raster, tess, deferred (the tessellator notes "
+          "them, compute shades them), or compute-N by groups of N threads (32, 64, 128, 256, 512); without "
+          "it, what is fastest on the context by measurement")
+      ->check(CLI::IsMember(gatherNames()));
+  command.add_flag("--plain-decode", choice.plainDecode,
+                   "decode Ls by the paper's formula, which bends lines by up to 0.15 of a sample step");
   command
       .add_option("--slanted", choice.slanted,
                   "longest edge to height beyond which a triangle is oversampled by method tess")
@@ -192,29 +194,42 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   tess.biasFloor = memory.biasFloor;
   tess.pressureBias = memory.pressureBias;
   if (!choice.gather.empty()) {
-    options.tess.spawn.gather = choice.gather == "raster" ? TessGather::Raster
-                                : choice.gather == "tess" ? TessGather::Tess
-                                                          : TessGather::Compute;
+    options.tess.spawn.gather = choice.gather == "raster"     ? TessGather::Raster
+                                : choice.gather == "tess"     ? TessGather::Tess
+                                : choice.gather == "deferred" ? TessGather::Deferred
+                                                              : TessGather::Compute;
     if (options.tess.spawn.gather == TessGather::Compute)
       options.tess.spawn.group = std::atoi(choice.gather.c_str() + std::string_view("compute-").size());
   }
+  options.tess.decode = choice.plainDecode ? TessDecode::Plain : TessDecode::Exact;
   if (choice.slanted > 0.0) tess.slanted = static_cast<float>(choice.slanted);
   if (choice.sampling == Sampling::LPack) tess.slanted = TessMemoryOptions::kNoneSlanted;
   if (choice.sampling == Sampling::Oversample) tess.slanted = TessMemoryOptions::kAllSlanted;
-  if (choice.sampling != Sampling::Rect) options.gatherer = GathererKind::Tess;
+  TexelAtlasOptions& texel = options.texel;
+  texel.width = memory.width;
+  texel.height = memory.height;
+  texel.bias = memory.bias;
+  texel.biasFloor = memory.biasFloor;
+  texel.pressureBias = memory.pressureBias;
+  if (choice.sampling != Sampling::Rect)
+    options.gatherer = choice.sampling == Sampling::Texel ? GathererKind::Texel : GathererKind::Tess;
   options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
   options.tess.format = options.atlas.format;
+  texel.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
   return options;
+}
+
+const std::vector<std::string>& gatherNames() {
+  static const std::vector<std::string> names = {"raster",     "tess",        "deferred",    "compute-32",
+                                                 "compute-64", "compute-128", "compute-256", "compute-512"};
+  return names;
 }
 
 ShadeOptions shadeOptions(const AtlasChoice& choice) {
   return {.textureBias = static_cast<float>(choice.textureBias)};
 }
 
-namespace {
-
-/// "a,b" as two numbers.
 Result<glm::dvec2> parsePair(const char* option, const std::string& text) {
   glm::dvec2 pair(0.0);
   const char* end = text.data() + text.size();
@@ -225,8 +240,6 @@ Result<glm::dvec2> parsePair(const char* option, const std::string& text) {
   }
   return fail("{} {}: not two numbers with a comma between", option, text);
 }
-
-}  // namespace
 
 PlaceOptions SpatialReuse::at(double time) const {
   PlaceOptions now = options;

@@ -34,12 +34,17 @@ struct CameraChoice {
 struct StageChoice {
   std::string file;
 };
-/// What fills an atlas: rectangles, or the tessellation gatherer with both of its ways to sample or one.
-enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample };
+/// Values of AtlasChoice::gather.
+const std::vector<std::string>& gatherNames();
+
+/// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or Texel
+/// Shading.
+enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample, Texel };
 
 struct AtlasChoice {
   Sampling sampling = Sampling::Rect;
-  std::string gather;    // empty: the engine's default
+  std::string gather;  // empty: the engine's default
+  bool plainDecode = false;
   double slanted = 0.0;  // longest edge to height; 0: the engine's default
   double megapixels = 8.0;
   double bias = 0.0;
@@ -76,6 +81,8 @@ Result<void> checkFinite(const CLI::App& command);
 Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 /// "1280x720" to width and height; each 1 to 16384.
 Result<glm::ivec2> parseSize(const std::string& text);
+/// "a,b" as two numbers; `option` is what the error calls it.
+Result<glm::dvec2> parsePair(const char* option, const std::string& text);
 /// The engine's options for an atlas of about `megapixels` (2^20 texels each).
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 /// How its texels are shaded.

@@ -49,6 +49,7 @@ FrameRequest requestOf(const RenderOptions& options) {
 Sampling samplingOf(const std::string& method) {
   if (method.starts_with("lpack")) return Sampling::LPack;
   if (method.starts_with("oversample")) return Sampling::Oversample;
+  if (method.starts_with("texel")) return Sampling::Texel;
   return method.starts_with("tess") ? Sampling::Tess : Sampling::Rect;
 }
 
@@ -88,6 +89,7 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   }
   if (const TessAtlas* tess = engine.tess(); tess != nullptr && engine.visibleSet()->frame() > 0) {
     const TessStatistics stats = tess->memory().readStatistics();
+    json["gather"] = nameOf(tess->spawn());
     json["visible_triangles"] = stats.visible;
     json["single_texels"] = stats.singles;
     json["samples_allocated"] = stats.samples;
@@ -98,6 +100,20 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
     json["slanted_triangles"] = stats.slanted;
     json["out_of_memory"] = stats.failures;
     json["resets"] = stats.resets;
+    json["bias"] = stats.bias;
+  }
+  if (const TexelAtlas* texel = engine.texel(); texel != nullptr && engine.visibleSet()->frame() > 0) {
+    const TexelStatistics stats = texel->readCounts();
+    json["visible_patches"] = stats.visible;
+    json["visible_triangles"] = engine.visibleTriangles();
+    json["samples_allocated"] = stats.samples;
+    json["tiles"] = stats.tiles;
+    json["tiles_marked"] = stats.marked;
+    json["tiles_lost"] = stats.lost;
+    json["slots"] = stats.slots;
+    json["tiles_kept"] = stats.kept;
+    json["wasted_share"] = stats.wasted();
+    json["levels_coarser"] = stats.coarser;
     json["bias"] = stats.bias;
   }
   return json;
@@ -190,9 +206,11 @@ Run addRender(CLI::App& app) {
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
   command
       .add_option("--method", options->method,
-                  "forward, forward-prepass, rect, rect-deferred, lpack or lpack-deferred")
+                  "forward, forward-prepass, rect, lpack, oversample, tess or texel; those of an atlas but "
+                  "oversample "
+                  "also with -deferred")
       ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred",
-                             "oversample", "tess", "tess-deferred"}))
+                             "oversample", "tess", "tess-deferred", "texel", "texel-deferred"}))
       ->capture_default_str();
   command
       .add_option("--view", options->view,

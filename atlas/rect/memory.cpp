@@ -283,6 +283,15 @@ glsl::AtlasState RectMemory::readState() const {
   return state_.readAll<glsl::AtlasState>(1)[0];
 }
 
+std::vector<glsl::PatchState> RectMemory::readVisible() const {
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  const auto states = patches_.readAll<glsl::PatchState>(config_.patchInstances);
+  const auto list = live_.readAll<glsl::uint>(std::size_t{1} + live_.readAll<glsl::uint>(1)[0]);
+  std::vector<glsl::PatchState> visible;
+  for (std::size_t i = 1; i < list.size(); ++i) visible.push_back(states[list[i]]);
+  return visible;
+}
+
 RectStatistics RectMemory::readStatistics() const { return statisticsOf(readState()); }
 
 std::optional<RectStatistics> RectMemory::latestStatistics() {

@@ -125,6 +125,8 @@ class RectMemory {
   // For tests and reports: these wait for the GPU.
   [[nodiscard]] RectStatistics readStatistics() const;
   [[nodiscard]] glsl::AtlasState readState() const;
+  /// States of the patches that the last allocate() placed.
+  [[nodiscard]] std::vector<glsl::PatchState> readVisible() const;
   /// Live blocks are those that patch states hold, visible or not.
   [[nodiscard]] MemorySnapshot readSnapshot() const;
 

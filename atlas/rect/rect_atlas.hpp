@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "atlas/gatherer.hpp"
+#include "atlas/patch_draw.hpp"
 #include "atlas/rect/memory.hpp"
-#include "glsl/shared/blocks.h"
 
 namespace tessera {
 
@@ -32,12 +32,16 @@ class RectAtlas final : public Gatherer {
   void emit(const VisibleSet& visible) override;
   void bind() const override;
   /// With a program of pass/gather.vert in use.
-  void shadeBatch(const gl::Program& /*program*/, std::uint32_t batch) const override { drawBatches(batch, 1); }
+  void shadeBatch(const gl::Program& /*program*/, std::uint32_t batch) const override {
+    drawBatches(batch, 1);
+  }
   /// With a program of pass/display.vert in use.
   void drawBatches(std::uint32_t first, std::uint32_t count) const override;
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
   [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
   [[nodiscard]] std::size_t bytes() const override;
+  [[nodiscard]] GatherStatistics readStatistics() const override;
+  [[nodiscard]] std::vector<std::uint8_t> readKinds() const override;
 
   [[nodiscard]] const RectMemory& memory() const { return memory_; }
   [[nodiscard]] RectMemory& memory() { return memory_; }
@@ -45,14 +49,7 @@ class RectAtlas final : public Gatherer {
  private:
   RectMemory memory_;
   AtlasTexture atlas_;
-  gl::Buffer entries_;   // uint[patch instances]: first draw entry | mirrored << 31
-  gl::Buffer vertices_;  // DisplayVertex[4 * entries]
-  gl::Buffer gather_;    // GatherVertex[4 * entries]
-  gl::Buffer batches_;   // BatchGpu[batches]
-  gl::Buffer commands_;  // DrawCommand[batches]
-  gl::Buffer emptyCommands_;
-  gl::Buffer indices_;
-  gl::VertexArray vertexArray_;
+  PatchDraw draw_;
   const gl::Program* emit_ = nullptr;
 };
 

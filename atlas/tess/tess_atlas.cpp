@@ -19,6 +19,20 @@ void drawIndirect(GLenum mode, const gl::VertexArray& array, const gl::Buffer& c
 
 }  // namespace
 
+std::string nameOf(const TessSpawn& spawn) {
+  switch (spawn.gather) {
+    case TessGather::Raster:
+      return "raster";
+    case TessGather::Tess:
+      return "tess";
+    case TessGather::Deferred:
+      return "deferred";
+    case TessGather::Compute:
+      break;
+  }
+  return "compute-" + std::to_string(spawn.group);
+}
+
 Result<void> check(const TessSpawn& spawn) {
   for (const int group : {32, 64, 128, 256, 512})
     if (spawn.group == group) return {};
@@ -38,10 +52,16 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
   auto emit = programs.get({"pass/tess_emit.comp"});
   if (!emit) return tl::unexpected(emit.error());
   atlas.emit_ = *emit;
-  atlas.spawn_ = options.spawn;
   auto scan = programs.get({"pass/tess_scan.comp"});
   if (!scan) return tl::unexpected(scan.error());
   atlas.scan_ = *scan;
+  auto bases = programs.get({"pass/tess_bases.comp"});
+  if (!bases) return tl::unexpected(bases.error());
+  atlas.bases_ = *bases;
+  auto enumerate =
+      programs.get({"pass/tess_spawn.vert", "pass/tess_enumerate.tesc", "pass/tess_enumerate.tese"});
+  if (!enumerate) return tl::unexpected(enumerate.error());
+  atlas.enumerate_ = *enumerate;
   auto texture =
       AtlasTexture::create(atlas.memory_.textureWidth(), atlas.memory_.textureHeight(), options.format);
   if (!texture) return tl::unexpected(texture.error());
@@ -78,6 +98,7 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
   atlas.displayArray_ = gl::VertexArray::make();
   atlas.displayArray_.attribute(0, atlas.vertices_, 4, sizeof(glsl::TessVertex));
   atlas.gatherArray_ = gl::VertexArray::make();
+  atlas.setSpawn(options.spawn);
   return atlas;
 }
 
@@ -120,6 +141,40 @@ void TessAtlas::bind() const {
   pieces_.bindStorage(BIND_TESS_PIECES);
 }
 
+void TessAtlas::setSpawn(const TessSpawn& spawn) {
+  spawn_ = spawn;
+  if (spawn.gather != TessGather::Deferred || samples_) return;
+  // Slots lie in the atlas, and texels of their own in the record rows.
+  samples_ = gl::Buffer(static_cast<std::size_t>(atlas_.texture.width()) *
+                        static_cast<std::size_t>(atlas_.texture.height()) * sizeof(glsl::uint));
+}
+
+void TessAtlas::countSamples() const {
+  starts_.bindStorage(BIND_TESS_STARTS);
+  groups_.bindStorage(BIND_TESS_GROUPS);
+  scan_->use();
+  scan_->set(LOCATION_COUNT, static_cast<unsigned>(spawn_.group));
+  gl::api().DispatchCompute(batchCount_, 1, 1);
+  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+}
+
+void TessAtlas::enumerate() const {
+  samples_.bindStorage(BIND_TESS_SAMPLES);
+  bases_->use();
+  bases_->set(LOCATION_COUNT, batchCount_);
+  gl::api().DispatchCompute(1, 1, 1);
+  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  enumerate_->use();
+  gl::api().PatchParameteri(GL_PATCH_VERTICES, 1);
+  gl::api().Enable(GL_RASTERIZER_DISCARD);
+  for (std::uint32_t batch = 0; batch < batchCount_; ++batch) {
+    enumerate_->set(LOCATION_COUNT, batch);
+    drawIndirect(GL_PATCHES, gatherArray_, commands_, 2 * batchCount_ + batch, 1);
+  }
+  gl::api().Disable(GL_RASTERIZER_DISCARD);
+  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
 void TessAtlas::beginShading() const {
   // A draw wants a complete framebuffer even for what it discards, and a host may have none bound.
   if (spawn_.gather != TessGather::Compute) Gatherer::beginShading();
@@ -131,12 +186,8 @@ void TessAtlas::beginShading() const {
     gl::api().Enable(GL_RASTERIZER_DISCARD);
     return;
   }
-  starts_.bindStorage(BIND_TESS_STARTS);
-  groups_.bindStorage(BIND_TESS_GROUPS);
-  scan_->use();
-  scan_->set(LOCATION_COUNT, static_cast<unsigned>(spawn_.group));
-  gl::api().DispatchCompute(batchCount_, 1, 1);
-  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  countSamples();
+  if (spawn_.gather == TessGather::Deferred) enumerate();
 }
 
 void TessAtlas::endShading() const {
@@ -144,6 +195,12 @@ void TessAtlas::endShading() const {
   if (spawn_.gather != TessGather::Raster)
     gl::api().MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
                             GL_FRAMEBUFFER_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+}
+
+gl::Defines TessAtlas::displayDefines(const TessAtlasOptions& options) {
+  gl::Defines defines;
+  if (options.decode == TessDecode::Plain) defines.emplace("PLAIN_DECODE", "1");
+  return defines;
 }
 
 TessAtlas::GatherProgram TessAtlas::gatherProgram(const TessAtlasOptions& options) {
@@ -154,8 +211,10 @@ TessAtlas::GatherProgram TessAtlas::gatherProgram(const TessAtlasOptions& option
       program.files = {"pass/tess_raster.vert", "pass/tess_raster.frag"};
       break;
     case TessGather::Compute:
+    case TessGather::Deferred:
       program.files = {"pass/tess_gather.comp"};
       program.defines.emplace("GROUP", std::to_string(options.spawn.group));
+      if (options.spawn.gather == TessGather::Deferred) program.defines.emplace("LISTED", "1");
       break;
     case TessGather::Tess:
       program.files = {"pass/tess_spawn.vert", "pass/tess_spawn.tesc", "pass/tess_spawn.tese"};
@@ -170,6 +229,7 @@ void TessAtlas::shadeBatch(const gl::Program& program, std::uint32_t batch) cons
       drawIndirect(GL_TRIANGLES, gatherArray_, commands_, batchCount_ + batch, 1);
       return;
     case TessGather::Compute:
+    case TessGather::Deferred:
       program.set(LOCATION_COUNT, batch);
       gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups_.get());
       gl::api().DispatchComputeIndirect(static_cast<GLintptr>(batch * sizeof(glsl::TessGroups)));
@@ -186,7 +246,8 @@ void TessAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
 
 std::size_t TessAtlas::bytes() const {
   return atlas_.texture.bytes() + memory_.bytes() + split_.bytes() + entryOf_.size() + entries_.size() +
-         vertices_.size() + commands_.size() + pieces_.size() + starts_.size() + groups_.size();
+         vertices_.size() + commands_.size() + pieces_.size() + starts_.size() + groups_.size() +
+         samples_.size();
 }
 
 }  // namespace tessera

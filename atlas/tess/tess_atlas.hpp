@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "atlas/gatherer.hpp"
 #include "atlas/tess/tess_memory.hpp"
@@ -15,20 +16,32 @@ namespace tessera {
 enum class TessGather : std::uint8_t {
   Raster,   // a fragment a texel of the slots' rectangles
   Compute,  // a thread a sample, over a prefix sum of the triangles' samples
-  Tess      // a tessellation vertex a sample (Hladky 2019, sec. 3.1)
+  Tess,     // a tessellation vertex a sample (Hladky 2019, sec. 3.1)
+  Deferred  // tessellation vertices note which samples there are, a thread each shades them
 };
 
+/// How display finds a point of a triangle among the samples of its L.
+enum class TessDecode : std::uint8_t {
+  Exact,  // what is linear over the triangle is reproduced
+  Plain   // Hladky 2019, eq. 4: off by up to 0.15 of a step between samples on the lines from the corners
+};
+
+/// By default what was fastest on every context measured (ratios of gather in README): groups of 64 to 512
+/// are within each other's spread, groups of 32 behind on one, the other ways 1.5 to 10 times as slow.
 struct TessSpawn {
   TessGather gather = TessGather::Compute;
-  int group = 64;  // threads of a group of TessGather::Compute: 32, 64, 128, 256 or 512
+  int group = 64;  // threads of a group of Compute and Deferred: 32, 64, 128, 256 or 512
 };
 
 struct TessAtlasOptions {
   TessMemoryOptions memory;
   AtlasFormat format = AtlasFormat::Srgb8;
   TessSpawn spawn;
+  TessDecode decode = TessDecode::Exact;
 };
 
+/// "raster", "tess", "deferred" or "compute-N".
+std::string nameOf(const TessSpawn& spawn);
 /// Fails for a group that is not one of the five.
 Result<void> check(const TessSpawn& spawn);
 
@@ -52,6 +65,8 @@ class TessAtlas final : public Gatherer {
   [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
   void endShading() const override;
   [[nodiscard]] std::size_t bytes() const override;
+  [[nodiscard]] GatherStatistics readStatistics() const override;
+  [[nodiscard]] std::vector<std::uint8_t> readKinds() const override;
 
   /// The files of the gather program, and what they are compiled with besides the material's switches.
   struct GatherProgram {
@@ -59,15 +74,23 @@ class TessAtlas final : public Gatherer {
     gl::Defines defines;
   };
   static GatherProgram gatherProgram(const TessAtlasOptions& options);
+  /// What display's programs are compiled with.
+  static gl::Defines displayDefines(const TessAtlasOptions& options);
   /// Another way to spawn the samples of what is placed, from the next beginShading() on. The programs must
   /// be its own.
-  void setSpawn(const TessSpawn& spawn) { spawn_ = spawn; }
+  void setSpawn(const TessSpawn& spawn);
+  [[nodiscard]] const TessSpawn& spawn() const { return spawn_; }
 
   [[nodiscard]] const TessSplit& split() const { return split_; }
   [[nodiscard]] const TessMemory& memory() const { return memory_; }
   [[nodiscard]] TessMemory& memory() { return memory_; }
 
  private:
+  /// Counts each batch's samples, and says where those of its entries begin.
+  void countSamples() const;
+  /// Has the tessellator note them.
+  void enumerate() const;
+
   TessMemory memory_;
   TessSplit split_;
   AtlasTexture atlas_;
@@ -80,13 +103,16 @@ class TessAtlas final : public Gatherer {
   gl::Buffer batches_;   // BatchGpu[batches], firstEntry as of this frame
   gl::Buffer commands_;  // TessCommand[3 * batches]: display, raster, pieces
   gl::Buffer emptyCommands_;
-  gl::Buffer pieces_;  // uvec2[]: entry, first sample
-  gl::Buffer starts_;  // uint[entries]
-  gl::Buffer groups_;  // TessGroups[batches]
+  gl::Buffer pieces_;   // uvec2[]: entry, first sample
+  gl::Buffer starts_;   // uint[entries]
+  gl::Buffer groups_;   // TessGroups[batches]
+  gl::Buffer samples_;  // uint[]: entry of each sample, for TessGather::Deferred
   gl::VertexArray displayArray_;
   gl::VertexArray gatherArray_;
   const gl::Program* emit_ = nullptr;
   const gl::Program* scan_ = nullptr;
+  const gl::Program* bases_ = nullptr;
+  const gl::Program* enumerate_ = nullptr;
 };
 
 }  // namespace tessera

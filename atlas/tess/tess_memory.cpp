@@ -222,6 +222,13 @@ std::vector<glsl::TessState> TessMemory::readStates() const {
   return states_.readAll<glsl::TessState>(config_.triangles + glsl::kSplitNumbers);
 }
 
+std::vector<glsl::uint> TessMemory::readVisible() const {
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  auto visible = live_.readAll<glsl::uint>(std::size_t{1} + live_.readAll<glsl::uint>(1)[0]);
+  visible.erase(visible.begin());
+  return visible;
+}
+
 std::vector<glsl::TessBin> TessMemory::readBins() const {
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   return bins_.readAll<glsl::TessBin>(glsl::kTessBins);
@@ -234,6 +241,8 @@ TessStatistics TessMemory::readStatistics() const {
   statistics.singles = state.events.singles;
   statistics.samples = state.events.samples;
   statistics.lSamples = state.events.lSamples;
+  statistics.inside = state.events.inside;
+  statistics.outside = state.events.outside;
   statistics.slanted = state.events.slanted;
   statistics.liveTexels = state.liveTexels;
   statistics.cellTexels = state.cellTexels;

@@ -35,6 +35,8 @@ struct TessStatistics {
   std::uint32_t singles = 0;     // of one texel, failures included
   std::uint64_t samples = 0;     // texels to shade
   std::uint64_t lSamples = 0;    // of them in Ls
+  std::uint64_t inside = 0;      // texels of Oversampling whose samples lie in their triangle
+  std::uint64_t outside = 0;     // and those beyond it, for filtering; a few of `samples` have no texel
   std::uint32_t slanted = 0;     // triangles with Oversampling
   std::uint64_t liveTexels = 0;  // of slots that hold a triangle, visible or not
   std::uint64_t cellTexels = 0;  // of all cells
@@ -76,6 +78,8 @@ class TessMemory {
   [[nodiscard]] TessStatistics readStatistics() const;
   /// By number: of the triangles, then of pieces.
   [[nodiscard]] std::vector<glsl::TessState> readStates() const;
+  /// Numbers of the triangles and pieces that the last allocate() placed.
+  [[nodiscard]] std::vector<glsl::uint> readVisible() const;
   [[nodiscard]] std::vector<glsl::TessBin> readBins() const;
   [[nodiscard]] glsl::TessAtlasState readState() const;
 

@@ -25,6 +25,9 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
     if (auto good = check(*options.lens); !good) return good;
   Gatherer* gatherer = s.gatherer();
   if (gatherer == nullptr || views.empty()) return {};
+  if (s.texel && (options.foveation || options.lens))
+    return fail("{}: texel shading takes its levels from pixels: neither foveation nor a lens changes them",
+                s.scene.file);
   const auto guard = s.guard();
   const auto placed = views.first(std::min(views.size(), kMaxViews));
   auto measure = s.measureProgram(options);

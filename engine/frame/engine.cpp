@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/frame/charts.hpp"
 #include "engine/frame/engine_state.hpp"
 #include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
@@ -204,6 +205,15 @@ Result<void> Engine::remakeAtlas(const TessAtlasOptions& tess) {
   return s_->makeGatherer(options);
 }
 
+Result<void> Engine::remakeAtlas(const TexelAtlasOptions& texel) {
+  EngineOptions options = s_->options;
+  options.gatherer = GathererKind::Texel;
+  options.texel = texel;
+  if (s_->gatherer() == nullptr) return {};
+  const auto guard = s_->guard();
+  return s_->makeGatherer(options);
+}
+
 Result<void> Engine::setSpawn(const TessSpawn& spawn) {
   State& s = *s_;
   if (auto good = check(spawn); !good || !s.tess) return good;
@@ -228,25 +238,38 @@ Result<void> Engine::State::makeGatherer(const EngineOptions& wanted) {
     newVisible = std::move(*made);
   }
   std::vector<glsl::BatchGpu> batches;
+  for (const Batch& batch : draw.batches)
+    batches.push_back(triangles ? glsl::BatchGpu{batch.firstTriangle, batch.triangles}
+                                : glsl::BatchGpu{batch.firstEntry, batch.entryCapacity});
   if (triangles) {
-    for (const Batch& batch : draw.batches) batches.push_back({batch.firstTriangle, batch.triangles});
     auto made = TessAtlas::create(programs, wanted.tess, elements, batches);
     if (!made) return tl::unexpected(made.error());
     if (auto compiled = compileGatherer(wanted); !compiled) return compiled;
     tess = std::move(*made);
     atlas.reset();
+    texel.reset();
+  } else if (wanted.gatherer == GathererKind::Texel) {
+    auto charts = chartsOf(scene, draw);
+    if (!charts) return tl::unexpected(charts.error());
+    auto made = TexelAtlas::create(programs, wanted.texel, *charts, draw.entries, batches);
+    if (!made) return tl::unexpected(made.error());
+    if (auto compiled = compileGatherer(wanted); !compiled) return compiled;
+    texel = std::move(*made);
+    atlas.reset();
+    tess.reset();
   } else {
-    for (const Batch& batch : draw.batches) batches.push_back({batch.firstEntry, batch.entryCapacity});
     auto made = RectAtlas::create(programs, wanted.atlas, draw.patchInstances, draw.entries, batches);
     if (!made) return tl::unexpected(made.error());
     if (auto compiled = compileGatherer(wanted); !compiled) return compiled;
     atlas = std::move(*made);
     tess.reset();
+    texel.reset();
   }
   if (newVisible) visible = std::move(newVisible);
   options.gatherer = wanted.gatherer;
   options.atlas = wanted.atlas;
   options.tess = wanted.tess;
+  options.texel = wanted.texel;
   return {};
 }
 
@@ -302,6 +325,7 @@ const FrameGraph& Engine::graph() const { return s_->graph; }
 const RectAtlas* Engine::atlas() const { return s_->atlas ? &*s_->atlas : nullptr; }
 RectAtlas* Engine::atlas() { return s_->atlas ? &*s_->atlas : nullptr; }
 const TessAtlas* Engine::tess() const { return s_->tess ? &*s_->tess : nullptr; }
+const TexelAtlas* Engine::texel() const { return s_->texel ? &*s_->texel : nullptr; }
 TessAtlas* Engine::tess() { return s_->tess ? &*s_->tess : nullptr; }
 const Gatherer* Engine::gatherer() const { return s_->gatherer(); }
 const VisibleSet* Engine::visibleSet() const { return s_->visible ? &*s_->visible : nullptr; }

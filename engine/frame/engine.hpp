@@ -16,6 +16,7 @@
 
 #include "atlas/rect/rect_atlas.hpp"
 #include "atlas/tess/tess_atlas.hpp"
+#include "atlas/texel/texel_atlas.hpp"
 #include "engine/frame/batches.hpp"
 #include "engine/frame/features.hpp"
 #include "engine/frame/graph.hpp"
@@ -30,12 +31,13 @@
 namespace tessera {
 
 /// Which way an atlas is filled.
-enum class GathererKind : std::uint8_t { Rect, Tess };
+enum class GathererKind : std::uint8_t { Rect, Tess, Texel };
 
 struct EngineOptions {
-  GathererKind gatherer = GathererKind::Rect;  // of the two that follow, which one there is
+  GathererKind gatherer = GathererKind::Rect;  // of the three that follow, which one there is
   RectAtlasOptions atlas;
   TessAtlasOptions tess;
+  TexelAtlasOptions texel;
   PatchOptions patches;
   FrameRequest request{.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = true};
   /// Triangles with an edge longer than this share of the scene's diagonal are split at load, so that huge
@@ -85,11 +87,13 @@ class Engine {
 
   /// Moves nodes, lights and shadow maps to `time` seconds. Must be called once before the first other stage.
   void update(double time);
-  /// The union of what the views see. At most kMaxViews views, all of the size of the first.
+  /// The union of what the views see; however many, all of the size of the first.
   void findVisible(std::span<const View> views);
-  /// Places the visible set for these views (the largest over them counts), with fewer texels where the
-  /// options say that fewer are seen. The program of a combination of options is compiled at its first use.
-  /// Fails, and leaves everything as it was, where check() of an option or that program fails.
+  /// Places the visible set for these views, at most kMaxViews (the largest over them counts), with fewer
+  /// texels where the options say that fewer are seen. The program of a combination of options is compiled at
+  /// its first use. Fails, and leaves everything as it was, where check() of an option or that program fails.
+  /// Texel Shading takes its levels from the pixels of findVisible's views, whatever these are, and fails with
+  /// any option.
   Result<void> place(std::span<const View> views, const PlaceOptions& options = {});
   /// Shades every placed patch, as seen from `view`'s eye. For several views: once, from between them.
   void shade(const View& view, const ShadeOptions& options = {});
@@ -118,6 +122,7 @@ class Engine {
   /// leaves the old one, where such an atlas cannot be made.
   Result<void> remakeAtlas(const RectMemoryOptions& memory);
   Result<void> remakeAtlas(const TessAtlasOptions& tess);
+  Result<void> remakeAtlas(const TexelAtlasOptions& texel);
   /// Another way to spawn the samples of what is placed; without effect on any but the tessellation gatherer.
   /// Fails, and changes nothing, where check(spawn) does or a program does not compile.
   Result<void> setSpawn(const TessSpawn& spawn);
@@ -140,12 +145,14 @@ class Engine {
   [[nodiscard]] const DrawScene& drawScene() const;
   [[nodiscard]] const SceneFeatures& features() const;
   [[nodiscard]] const FrameGraph& graph() const;
-  /// What fills the atlas; null where the plan has none. atlas() and tess() are the same by kind, or null.
+  /// What fills the atlas; null where the plan has none. atlas(), tess() and texel() are the same by kind, or
+  /// null.
   [[nodiscard]] const Gatherer* gatherer() const;
   [[nodiscard]] const RectAtlas* atlas() const;
   [[nodiscard]] RectAtlas* atlas();
   [[nodiscard]] const TessAtlas* tess() const;
   [[nodiscard]] TessAtlas* tess();
+  [[nodiscard]] const TexelAtlas* texel() const;
   [[nodiscard]] const VisibleSet* visibleSet() const;
   /// "pass/forward.vert + pass/shade.frag NORMAL_TEX ...", one a program.
   [[nodiscard]] const std::vector<std::string>& permutations() const;
@@ -162,6 +169,12 @@ class Engine {
   [[nodiscard]] std::uint64_t samplesPartlyInView(const View& view) const;
   /// Sum of triangles over the visible patches; blocking readback.
   [[nodiscard]] std::uint64_t visibleTriangles() const;
+  /// What each pixel of the last view of findVisible shows, rows from the top: see idOfTriangle in
+  /// glsl/shared/scene.h, 0 for nothing; blocking readback. Empty before findVisible.
+  [[nodiscard]] std::vector<std::uint32_t> readIds() const;
+  /// Longest edge to height of such a triangle (an id that is not 0), as the view's eye sees it: what makes
+  /// it slanted. 0 where it is no longer than a pixel.
+  [[nodiscard]] double slantOf(std::uint32_t id, const View& view) const;
   /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for
   /// Srgb8, which cannot hold such a value.
   [[nodiscard]] std::uint64_t nonFiniteTexels() const;

@@ -91,6 +91,7 @@ struct Engine::State {
   std::optional<VisibleSet> visible;
   std::optional<RectAtlas> atlas;
   std::optional<TessAtlas> tess;
+  std::optional<TexelAtlas> texel;
   PictureTarget picture;
   PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
   gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
@@ -152,6 +153,7 @@ struct Engine::State {
   /// there is.
   Result<void> makeGatherer(const EngineOptions& wanted);
   [[nodiscard]] Gatherer* gatherer() {
+    if (texel) return &*texel;
     return tess ? static_cast<Gatherer*>(&*tess) : (atlas ? &*atlas : nullptr);
   }
   /// Whether several views' ids are drawn in one pass, a layer each; compiles what that needs at its first

@@ -152,11 +152,11 @@ void Engine::findVisible(std::span<const View> views) {
   const auto guard = s.guard();
   s.bindScene();
   s.visible->begin();
-  views = views.first(std::min(views.size(), kMaxViews));
+  s.gatherer()->beginViews();
   const bool layered = views.size() > 1 && s.drawsIdLayers();
-  const std::size_t atOnce = layered ? views.size() : 1;
   s.idsInLayers = layered;
-  for (std::size_t first = 0; first < views.size(); first += atOnce) {
+  for (std::size_t first = 0; first < views.size();) {
+    const std::size_t atOnce = layered ? std::min(views.size() - first, kMaxViews) : 1;
     const auto drawn = views.subspan(first, atOnce);
     IdTarget& target = layered ? s.idLayers : s.id;
     s.setViews(drawn);
@@ -179,7 +179,13 @@ void Engine::findVisible(std::span<const View> views) {
       s.drawDepthList(list, &BatchPrograms::idLayers, true, -1);
       s.buffers.stepInstances(1);
     });
-    s.pass("mark", [&] { s.visible->add(target.ids); });
+    s.pass("mark", [&] {
+      s.visible->add(target.ids);
+      std::vector<glm::mat3> rays;
+      for (const View& view : drawn) rays.emplace_back(pixelToRay(view));
+      s.gatherer()->addViews(target.ids, rays);
+    });
+    first += atOnce;
   }
   s.visible->finish();
 }

@@ -54,7 +54,10 @@ Result<void> Engine::State::compile() {
 
 Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
   const bool triangles = wanted.gatherer == GathererKind::Tess;
-  const AtlasFormat format = triangles ? wanted.tess.format : wanted.atlas.format;
+  const bool charts = wanted.gatherer == GathererKind::Texel;
+  const AtlasFormat format = triangles ? wanted.tess.format
+                             : charts  ? wanted.texel.format
+                                       : wanted.atlas.format;
   const auto has = [&](const char* name) { return graph.find(name) != nullptr; };
   struct Chosen {
     const gl::Program* gather = nullptr;
@@ -69,17 +72,21 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
       gather.mask = false;
       TessAtlas::GatherProgram own = TessAtlas::gatherProgram(wanted.tess);
       own.defines.merge(definesOf(gather));
+      gl::Defines ofTiles = definesOf(gather);
+      if (format == AtlasFormat::Srgb8) ofTiles.emplace("ENCODED", "1");
       auto program =
           triangles ? programs.get(own.files, own.defines)
+          : charts  ? programs.get({"pass/texel_gather.comp"}, ofTiles)
                     : programs.get({"pass/gather.vert", "pass/shade.frag"}, definesOf(gather, {"GATHER"}));
       if (!program) return tl::unexpected(program.error());
       c.gather = *program;
     }
     if (has("display")) {
-      auto program =
-          triangles
-              ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, definesOf(batch.depth))
-              : programs.get({"pass/display.vert", "pass/display.frag"}, definesOf(batch.depth));
+      gl::Defines defines = definesOf(batch.depth);
+      if (triangles) defines.merge(TessAtlas::displayDefines(wanted.tess));
+      if (charts) defines.emplace("CHARTS", "1");
+      auto program = triangles ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, defines)
+                               : programs.get({"pass/display.vert", "pass/display.frag"}, defines);
       if (!program) return tl::unexpected(program.error());
       c.display = *program;
     }
@@ -87,9 +94,11 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
   }
   if (has("display-deferred")) {
     gl::Defines defines;
+    if (triangles) defines = TessAtlas::displayDefines(wanted.tess);
     // The image is written as it is: a linear atlas must be encoded in the shader.
     if (format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
     if (triangles) defines.emplace("TRIANGLES", "1");
+    if (charts) defines.emplace("CHARTS", "1");
     auto program = programs.get({"pass/display_deferred.comp"}, defines);
     if (!program) return tl::unexpected(program.error());
     deferred = *program;

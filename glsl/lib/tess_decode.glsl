@@ -1,9 +1,16 @@
+// PLAIN_DECODE: of Ls as Hladky 2019, eq. 4, which bends straight lines in the cells on the lines from the corners.
+#ifdef PLAIN_DECODE
+#define L_DECODE lDecodePlain
+#else
+#define L_DECODE lDecodeExact
+#endif
+
 // Where a triangle's samples have a place in even coordinates: atlas texels, centres at .5.
 vec2 atlasOfEven(TessShape shape, uint place0, uint place1, vec3 even) {
   uint kind = kindOf(shape.kind);
   if (kind == kTessL) {
     uint level = levelOfKind(shape.kind);
-    return lAtlasAt(lDecodeExact(even, level), uvec2(placeX(place0), placeY(place0)), level, placeTurned(place0) != 0u);
+    return lAtlasAt(L_DECODE(even, level), uvec2(placeX(place0), placeY(place0)), level, placeTurned(place0) != 0u);
   }
   if (kind == kTessOver) {
     OverShape over = overOfShape(shape);

@@ -22,15 +22,6 @@ Sample overSample(TessEntry e, OverShape over, OverCell cell) {
 
 Sample singleSample(TessEntry e) { return Sample(singlePlace(), placeTexel(e.place0), true); }
 
-// L coordinates of texel `number`: the arm along x row by row, then what the other one has besides.
-uvec2 lTexelOfNumber(uint level, uint number) {
-  uint along = level + 1u;
-  uint first = along * lArmX(level);
-  uint width = number < first ? along : lArmY(level);
-  uint rest = number < first ? number : number - first;
-  return uvec2(rest % width, rest / width + (number < first ? 0u : lArmX(level)));
-}
-
 Sample sampleOf(TessEntry e, uint number) {
   uint kind = kindOf(e.shape.kind);
   if (kind == kTessL) {

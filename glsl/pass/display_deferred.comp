@@ -15,7 +15,12 @@ layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;
 layout(location = LOCATION_VIEW) uniform mat3 uPixelToRay;
 layout(location = LOCATION_BACKGROUND) uniform vec4 uBackground;
 
-#ifdef TRIANGLES
+// What two of the branches include: the first one to do so is the only one to get it.
+#include "shared/tess_split.h"
+#if defined(CHARTS)
+#include "lib/texel_seen.glsl"
+#include "lib/texel_find.glsl"
+#elif defined(TRIANGLES)
 #include "lib/tess_entry.glsl"
 #else
 #include "lib/entry_triangle.glsl"
@@ -30,7 +35,12 @@ void main() {
     imageStore(uColor, pixel, uBackground);
     return;
   }
+#ifdef CHARTS
+  ChartPoint point = chartPoint(id, pixel, uPixelToRay, view.eye.xyz);
+  vec2 texel = texelOfChart((id >> 2u) - 1u, point.at, point.dx, point.dy);
+#else
   vec2 texel = atlasTexel(id, uPixelToRay * vec3(1.0, vec2(pixel) + 0.5));
+#endif
   vec3 color = textureLod(uAtlas, texel * uTexelToUv, 0.0).rgb;
 #ifdef LINEAR_ATLAS
   color = vec3(encodeSrgb(color.r), encodeSrgb(color.g), encodeSrgb(color.b));

@@ -49,5 +49,9 @@ void main() {
   uint kind = kindOf(state.shape.kind);
   if (kind == kTessSingle) atomicAdd(atlas.events.singles, 1u);
   if (kind == kTessL) atomicAdd(atlas.events.lSamples, texels);
-  if (kind == kTessOver) atomicAdd(atlas.events.slanted, 1u);
+  if (kind != kTessOver) return;
+  OverShape over = overOfShape(state.shape);
+  atomicAdd(atlas.events.slanted, 1u);
+  atomicAdd(atlas.events.inside, overBlockInside(over.columns0, over.rows) + overBlockInside(over.columns1, over.rows));
+  atomicAdd(atlas.events.outside, overBlockOutside(over.columns0, over.rows) + overBlockOutside(over.columns1, over.rows));
 }

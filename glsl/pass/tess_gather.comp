@@ -1,4 +1,5 @@
-// Gathering by compute: a thread a sample of the batch, which finds its triangle by bisection.
+// Gathering by compute: a thread a sample of the batch, which finds its triangle by bisection; or, with LISTED, in the list
+// that a tessellator wrote (tess_enumerate.tese).
 #include "lib/tess_shade.glsl"
 #include "lib/tess_samples.glsl"
 #include "lib/tess_store.glsl"
@@ -10,11 +11,17 @@ layout(std430, binding = BIND_BATCHES) readonly buffer Batches { BatchGpu batche
 layout(std430, binding = BIND_DRAW_COMMANDS) readonly buffer DrawCommands { TessCommand commands[]; };
 layout(std430, binding = BIND_TESS_STARTS) readonly buffer Starts { uint starts[]; };  // of each entry: its first sample
 layout(std430, binding = BIND_TESS_GROUPS) readonly buffer Groups { TessGroups groups[]; };
+#ifdef LISTED
+layout(std430, binding = BIND_TESS_SAMPLES) readonly buffer Samples { uint entryOfSample[]; };
+#endif
 layout(location = LOCATION_COUNT) uniform uint uBatch;
 
 void main() {
   uint thread = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(GROUP) + gl_LocalInvocationIndex;
   if (thread >= groups[uBatch].samples) return;
+#ifdef LISTED
+  uint low = entryOfSample[groups[uBatch].first + thread];
+#else
   uint low = batches[uBatch].firstEntry;
   uint high = low + commands[uBatch].count / 3u;
   while (high - low > 1u) {
@@ -25,5 +32,6 @@ void main() {
       high = middle;
     }
   }
+#endif
   storeSample(low, sampleOf(entries[low], thread - starts[low]));
 }

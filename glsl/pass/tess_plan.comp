@@ -45,7 +45,7 @@ void openFrame() {
   // Singles have texels of their own, outside of what S counts.
   atlas.bias =
       atlas.config.biased != 0u ? pressureBias(low, high, 0u, LevelRange(0u, 0u, 1u), atlas.pressure.target, atlas.config.lowestBias) : 0.0;
-  atlas.events = TessEvents(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
+  atlas.events = TessEvents(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
   atlas.round = 0u;
   ++atlas.frames;
 }

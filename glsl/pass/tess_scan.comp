@@ -38,5 +38,5 @@ void main() {
   uint needed = (before + uGroup - 1u) / uGroup;
   // More groups along x than GL promises go along y.
   uint across = min(needed, 65535u);
-  groups[batch] = TessGroups(across, across == 0u ? 0u : (needed + across - 1u) / across, 1u, before);
+  groups[batch] = TessGroups(across, across == 0u ? 0u : (needed + across - 1u) / across, 1u, before, 0u);
 }

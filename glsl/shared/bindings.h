@@ -47,10 +47,20 @@
 #define BIND_TESS_STARTS 13  // uint[entries]
 #define BIND_TESS_GROUPS 14  // TessGroups[batches]
 #define BIND_TESS_PIECES 15  // uvec2[]
+#define BIND_TESS_SAMPLES 16 // uint[samples]: entry of each
 
 // and when it splits triangles, of those that memory phases use:
 #define BIND_SPLIT_STATE 9      // TessSplitState, uint[batches]: pieces of each
 #define BIND_SPLIT_ELEMENTS 10  // as BIND_VISIBLE: triangles and pieces
+
+// Shader storage: Texel Shading's atlas. As above, and:
+#define BIND_TEXEL_TABLE 9     // uint[]: of two tables, places of a number and a slot
+#define BIND_TEXEL_BATCHES 10  // TexelBatch[]
+#define BIND_TEXEL_CHARTS 13   // TexelChart[patch instances]
+#define BIND_TEXEL_WANTED 16   // uvec2[]: tiles before they have slots
+#define BIND_TEXEL_TILES 17    // TexelTile[2 * slots]
+// and when it shades, of those that only memory phases read:
+#define BIND_TEXEL_QUEUE 15    // TexelTile[slots]
 
 #define BIND_STORAGE_COUNT 25   // of the above
 

@@ -80,6 +80,20 @@ SHARED_FN LTexels lTexelsOf(TessPlace place, uint level) {
   return texels;
 }
 
+// Texels of an L by number: the arm along x row by row, then what the other one has besides.
+SHARED_FN uvec2 lTexelOfNumber(uint level, uint number) {
+  uint along = level + 1u;
+  uint first = along * lArmX(level);
+  uint width = number < first ? along : lArmY(level);
+  uint rest = number < first ? number : number - first;
+  return uvec2(rest % width, rest / width + (number < first ? 0u : lArmX(level)));
+}
+SHARED_FN uint lNumberOfTexel(uint level, uvec2 at) {
+  uint arm = lArmX(level);
+  if (at.y < arm) return at.y * (level + 1u) + at.x;
+  return arm * (level + 1u) + (at.y - arm) * lArmY(level) + at.x;
+}
+
 // The sample of a texel of the L; the inverse of lTexelsOf, for gatherers that start from texels.
 SHARED_FN TessPlace lPlaceOf(uvec2 at, uint level) {
   uint middle = level / 2u;

@@ -194,6 +194,26 @@ SHARED_FN bool overInside(uvec2 at, uint columns, uint rows) {
   return rows == 1u || at.x * (rows - 1u) + at.y * (columns - 1u) <= (columns - 1u) * (rows - 1u);
 }
 
+SHARED_FN uint overCommonDivisor(uint a, uint b) {
+  while (b != 0u) {
+    uint rest = a % b;
+    a = b;
+    b = rest;
+  }
+  return a;
+}
+
+// A block's texels whose samples lie in the triangle, edges included, and those whose samples do not. The whole numbers
+// under a diagonal are half of their rectangle's and half of those on it.
+SHARED_FN uint overBlockInside(uint columns, uint rows) {
+  if (columns == 0u || rows == 1u) return columns;
+  return (columns * rows + overCommonDivisor(columns - 1u, rows - 1u) + 1u) / 2u;
+}
+SHARED_FN uint overBlockOutside(uint columns, uint rows) {
+  if (columns == 0u || rows == 1u) return 0u;
+  return columns + rows - 2u - overCommonDivisor(columns - 1u, rows - 1u);
+}
+
 // The rectangle of two blocks of one size, the second turned by half a turn, in texels.
 SHARED_FN uvec2 overPairSize(uint columns, uint rows) {
   if (rows == 1u) return uvec2(columns, 2u);

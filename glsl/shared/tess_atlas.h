@@ -182,7 +182,8 @@ struct TessEvents {
   uint slanted;   // visible triangles past the threshold
   uint samples;   // texels to shade
   uint lSamples;  // of them in Ls
-  uint outside;   // of them Oversampling's, outside of their triangle
+  uint inside;    // of them Oversampling's, in their triangle
+  uint outside;   // and outside of it
 };
 
 struct TessAtlasState {
@@ -235,6 +236,7 @@ struct TessGroups {
   uint y;
   uint z;
   uint samples;
+  uint first;  // number of the first among all batches' samples, see tess_bases.comp
 };
 
 struct TessCommand {

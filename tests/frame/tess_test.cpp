@@ -16,7 +16,9 @@ namespace tessera {
 namespace {
 
 using TessFrame = test::GlTest;
+using test::blackenAtlas;
 using test::countCovered;
+using test::darkPixels;
 using test::largestDifference;
 using test::meanDifference;
 
@@ -90,11 +92,6 @@ std::set<std::uint32_t> levelsOf(const Engine& engine) {
   return levels;
 }
 
-/// What the atlas held is gone; texels that are not shaded anew show.
-void blackenAtlas(Engine& engine) {
-  gl::api().ClearTexImage(engine.gatherer()->atlas().texture.get(), 0, GL_RGBA, GL_FLOAT, nullptr);
-}
-
 /// The texels as they are stored.
 std::vector<std::uint8_t> texelsOf(const Engine& engine) {
   const AtlasTexture& atlas = engine.gatherer()->atlas();
@@ -102,26 +99,6 @@ std::vector<std::uint8_t> texelsOf(const Engine& engine) {
   return atlas.format == AtlasFormat::Rgba16f
              ? gl::readTexture(atlas.texture, GL_RGBA, GL_HALF_FLOAT, 8)
              : gl::readTexture(atlas.display(), GL_RGBA, GL_UNSIGNED_BYTE, 4);
-}
-
-/// A triangle list; normals towards +z, uv0 = (x, y), white.
-std::uint32_t addTriangles(Scene& scene, const std::vector<glm::vec3>& corners, std::uint32_t material) {
-  Primitive primitive;
-  primitive.firstVertex = static_cast<std::uint32_t>(scene.vertices.position.size());
-  primitive.firstIndex = static_cast<std::uint32_t>(scene.indices.size());
-  primitive.material = material;
-  for (const glm::vec3& corner : corners) {
-    scene.indices.push_back(static_cast<std::uint32_t>(scene.vertices.position.size()));
-    scene.vertices.position.push_back(corner);
-    scene.vertices.normal.emplace_back(0.0f, 0.0f, 1.0f);
-    scene.vertices.uv0.emplace_back(corner.x, corner.y);
-    scene.vertices.color.emplace_back(1.0f);
-    primitive.bounds.add(glm::dvec3(corner));
-  }
-  primitive.vertexCount = static_cast<std::uint32_t>(corners.size());
-  primitive.indexCount = primitive.vertexCount;
-  scene.primitives.push_back(primitive);
-  return static_cast<std::uint32_t>(scene.primitives.size() - 1);
 }
 
 struct Method {
@@ -166,48 +143,20 @@ TEST_F(TessFrame, PicturesAreAsGoodAsTheRectangularAtlas) {
   }
 }
 
-/// A floor to the camera's feet of two triangles, a wall of middling ones and one of less than a pixel, a
-/// slanted board; textured, normal-mapped and lit.
-Scene everythingScene() {
-  Scene scene = test::emptyScene();
-  Material material;
-  material.roughnessFactor = 0.4f;
-  material.baseColor.image = test::addCheckers(scene, 64, 8);
-  material.normal.image = material.baseColor.image;
-  const auto lit = test::addMaterial(scene, material);
-  test::place(scene, test::addGrid(scene, {-3, -1, 2}, {6, 0, 0}, {0, 0, -8}, 1, 1, lit));
-  test::place(scene, test::addGrid(scene, {-3, -1, -6}, {6, 0, 0}, {0, 3, 0}, 7, 5, lit));
-  test::place(scene, test::addGrid(scene, {-1, 0.5f, -4}, {0.9f, 0, 0}, {0, 0.9f, 0}, 90, 90, lit));
-  test::place(scene, test::addGrid(scene, {0.4f, -0.9f, -1}, {0.1f, 0, -2}, {0, 1.2f, 0}, 1, 9, lit));
-  test::place(scene, test::addGrid(scene, {-2, -0.9f, -3}, {1.5f, 0, 0}, {0, 1.3f, 0}, 1, 1, lit));
-  scene.vertices.tangent.assign(scene.vertices.position.size(), glm::vec4(1, 0, 0, 1));
-  test::finish(scene);
-  return scene;
-}
-
-Stage lampStage() {
-  Stage stage;
-  StageLight lamp;
-  lamp.light.type = LightType::Point;
-  lamp.light.castsShadow = true;
-  lamp.keys.push_back({0.0, {0.5, 1.5, -1.0}, {0, 0, -4}, glm::vec3(1.0f), 30.0f});
-  stage.lights.push_back(lamp);
-  stage.ambient = Ambient{glm::vec3(0.2f), glm::vec3(0.1f)};
-  return stage;
-}
-
 TEST_F(TessFrame, AllWaysToSpawnWriteTheSameTexels) {
   const View view = frontView();
   for (const AtlasFormat format : {AtlasFormat::Srgb8, AtlasFormat::Rgba16f}) {
-    auto engine = make(everythingScene(), tessAtlas(format), lampStage());
+    auto engine = make(test::everythingScene(), tessAtlas(format), test::lampStage());
     ASSERT_TRUE(engine);
     engine->findVisible({&view, 1});
     ASSERT_TRUE(engine->place({&view, 1}));
     EXPECT_EQ(kindsOf(*engine).size(), 3u) << "the scene has all kinds";
     EXPECT_GT(*levelsOf(*engine).rbegin(), 64u);
     std::vector<std::uint8_t> first;
-    std::vector<TessSpawn> ways = {
-        {TessGather::Compute, 64}, {TessGather::Tess, 64}, {TessGather::Raster, 64}};
+    std::vector<TessSpawn> ways = {{TessGather::Compute, 64},
+                                   {TessGather::Tess, 64},
+                                   {TessGather::Raster, 64},
+                                   {TessGather::Deferred, 128}};
     if (format == AtlasFormat::Srgb8) ways.push_back({TessGather::Compute, 512});
     for (const TessSpawn& spawn : ways) {
       blackenAtlas(*engine);
@@ -264,29 +213,8 @@ TEST_F(TessFrame, DeferredDisplayEqualsGeometryDisplay) {
 
 // ---- several views, foveation, lens ----
 
-/// A white wall behind a board that hides other parts of it from either eye. What is not shaded is black.
-Scene whiteScene() {
-  Scene scene = test::emptyScene();
-  const auto white = test::addMaterial(scene, test::unlit());
-  test::place(scene, test::addGrid(scene, {-4, -3, -4}, {8, 0, 0}, {0, 6, 0}, 40, 30, white));
-  test::place(scene, test::addGrid(scene, {-0.3f, -0.4f, -1}, {0.6f, 0, 0}, {0, 0.8f, 0}, 4, 4, white));
-  test::finish(scene);
-  return scene;
-}
-
-/// Covered pixels that are not white.
-std::size_t darkPixels(const Image& image) {
-  std::size_t dark = 0;
-  for (std::size_t i = 0; i < image.pixels.size(); i += 4)
-    dark +=
-        image.pixels[i + 3] > 0 && std::min({image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]}) < 250
-            ? 1
-            : 0;
-  return dark;
-}
-
 TEST_F(TessFrame, WhatOneEyeSeesIsShadedForBoth) {
-  auto engine = make(whiteScene());
+  auto engine = make(test::whiteScene());
   ASSERT_TRUE(engine);
   const View centre = frontView();
   const auto eyes = stereoViews(centre, 0.2);
@@ -313,7 +241,7 @@ TEST_F(TessFrame, WhatOneEyeSeesIsShadedForBoth) {
 }
 
 TEST_F(TessFrame, FoveationAndLensTakeSamplesAndLeaveNoHoles) {
-  auto engine = make(whiteScene());
+  auto engine = make(test::whiteScene());
   ASSERT_TRUE(engine);
   const View view = frontView();
   const auto samples = [&](const PlaceOptions& options) {
@@ -340,52 +268,7 @@ TEST_F(TessFrame, FoveationAndLensTakeSamplesAndLeaveNoHoles) {
 // ---- triangles that are hard to sample ----
 
 TEST_F(TessFrame, HardTrianglesHaveNoHolesAndFiniteTexels) {
-  Scene scene = test::emptyScene();
-  Material white = test::unlit();
-  white.doubleSided = true;
-  const auto index = test::addMaterial(scene, white);
-  const std::vector<glm::vec3> corners = {// needles, one of 1e7 to 1
-                                          {-2, 1, -3},
-                                          {2, 1.002f, -3},
-                                          {2, 1, -3},
-                                          {-2, 0.9f, -3},
-                                          {2, 0.9f + 4e-7f, -3},
-                                          {2, 0.9f, -3},
-                                          {-1, -1, -3},
-                                          {1, 1, -3},
-                                          {1.0005f, 1.01f, -3},
-                                          // no area: on a line, and a point
-                                          {-1, 0.5f, -3},
-                                          {0, 0.5f, -3},
-                                          {1, 0.5f, -3},
-                                          {0.3f, 0.3f, -2},
-                                          {0.3f, 0.3f, -2},
-                                          {0.3f, 0.3f, -2},
-                                          // with a corner behind the eye, and two
-                                          {-1, -0.6f, -5},
-                                          {1, -0.6f, -5},
-                                          {0.2f, -0.3f, 2},
-                                          {-6, -1, -8},
-                                          {-1.5f, 0.3f, 3},
-                                          {-1.5f, -0.8f, 4},
-                                          // the eye all but in its plane, and in it
-                                          {-2, 1e-4f, -1},
-                                          {2, 1e-4f, -4},
-                                          {-2, 1e-4f, -6},
-                                          {0, -1, -2},
-                                          {0, 1, -2},
-                                          {0, 0.2f, -6},
-                                          // around the eye's own place, behind everything seen through it
-                                          {-50, -40, -9},
-                                          {50, -40, -9},
-                                          {0, 70, -9}};
-  const auto triangles = addTriangles(scene, corners, index);
-  test::place(scene, triangles);
-  scene.nodes.resize(2);
-  scene.nodes[1].scale = {-1.0, 0.7, 1.0};
-  scene.nodes[1].translation = {0.1, -0.2, -0.3};
-  test::place(scene, triangles, 1);
-  test::finish(scene);
+  const Scene scene = test::hardScene();
   for (const AtlasFormat format : {AtlasFormat::Rgba16f, AtlasFormat::Srgb8}) {
     auto engine = make(scene, tessAtlas(format));
     ASSERT_TRUE(engine);
@@ -491,7 +374,7 @@ TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
   Scene scene = test::emptyScene();
   const auto index = test::addMaterial(scene, test::unlit());
   // Mirror images, but that the lower one is a hundredth longer.
-  const auto pair = addTriangles(
+  const auto pair = test::addTriangles(
       scene,
       {{-0.5f, 0, -2}, {0.5f, 0, -2}, {0.45f, 0.9f, -2}, {-0.5f, 0, -2}, {0.45f, -0.92f, -2}, {0.5f, 0, -2}},
       index);
@@ -521,6 +404,31 @@ TEST_F(TessFrame, Levels64And65MeetWithoutASeam) {
     }
   }
   EXPECT_TRUE(met) << "no view gave the triangles levels 64 and 65";
+}
+
+TEST_F(TessFrame, ThePlainDecodeBendsARampAndTheExactOneDoesNot) {
+  // One triangle of some tens of levels with a ramp of all of a colour: what is off is off by a share of a
+  // step.
+  Scene scene = test::cornerScene(true);
+  test::finish(scene);
+  auto engine = make(std::move(scene), tessAtlas(AtlasFormat::Rgba16f, TessMemoryOptions::kNoneSlanted));
+  ASSERT_TRUE(engine);
+  const View view = cornerView();
+  const Image forward = forwardOf(*engine, view);
+  std::array<double, 2> quality{};
+  for (const TessDecode decode : {TessDecode::Exact, TessDecode::Plain}) {
+    TessAtlasOptions options = tessAtlas(AtlasFormat::Rgba16f, TessMemoryOptions::kNoneSlanted);
+    options.decode = decode;
+    options.memory.bias = 5.0f;  // coarse: a step of samples is some pixels
+    ASSERT_TRUE(engine->remakeAtlas(options));
+    const Image shown = drawn(*engine, view);
+    const auto decibels = psnr(forward, shown);
+    ASSERT_TRUE(decibels);
+    quality[decode == TessDecode::Plain ? 1 : 0] = *decibels;
+    EXPECT_LE(largestDifference(drawn(*engine, view, DisplayMode::Deferred), shown), 2);
+  }
+  std::printf("exact %.2f dB, plain %.2f dB\n", quality[0], quality[1]);
+  EXPECT_GT(quality[0], quality[1] + 3.0);
 }
 
 // ---- triangles that are split ----
@@ -579,7 +487,7 @@ TEST_F(TessFrame, PiecesMeetWithoutASeamAndAreShadedInEveryWay) {
   const View view = largeView();
   std::vector<std::uint8_t> first;
   for (const TessSpawn& spawn : {TessSpawn{TessGather::Compute, 64}, TessSpawn{TessGather::Tess, 64},
-                                 TessSpawn{TessGather::Raster, 64}}) {
+                                 TessSpawn{TessGather::Raster, 64}, TessSpawn{TessGather::Deferred, 64}}) {
     ASSERT_TRUE(engine->setSpawn(spawn));
     engine->findVisible({&view, 1});
     ASSERT_TRUE(engine->place({&view, 1}));
@@ -674,32 +582,7 @@ TEST_F(TessFrame, MoreSplitTrianglesThanBlocksAreSampledCoarsely) {
 // ---- materials ----
 
 TEST_F(TessFrame, CullingMaskMirrorAndDoubleSideMatchForward) {
-  Scene scene = test::emptyScene();
-  Material single = test::unlit();
-  single.baseColorFactor = {0.9f, 0.2f, 0.2f, 1.0f};
-  Material both;
-  both.doubleSided = true;
-  both.baseColorFactor = {0.2f, 0.9f, 0.2f, 1.0f};
-  Material leaf = test::unlit();
-  leaf.alphaMode = AlphaMode::Mask;
-  leaf.doubleSided = true;
-  leaf.baseColor.image = test::addCheckers(scene, 64, 8, true);
-  scene.nodes.resize(2);
-  scene.nodes[1].scale = {1.0, 1.0, -1.0};
-  scene.nodes[1].translation = {0.0, 1.3, -10.0};
-  int column = 0;
-  for (const Material& material : {single, both, leaf}) {
-    const auto grid = test::addGrid(scene, {-2.5f + 1.8f * static_cast<float>(column++), -0.5f, -5.0f},
-                                    {1.2f, 0, 0}, {0, 1, 0}, 2, 2, test::addMaterial(scene, material));
-    for (std::uint32_t node = 0; node < 2; ++node) test::place(scene, grid, node);
-  }
-  test::finish(scene);
-  Stage stage;
-  StageLight sun;
-  sun.light.type = LightType::Directional;
-  sun.keys.push_back({0.0, {0, 5, 0}, {0.4, 0, -5}, glm::vec3(1.0f), 3.0f});
-  stage.lights.push_back(sun);
-  auto engine = make(std::move(scene), tessAtlas(), stage);
+  auto engine = make(test::sidesScene(), tessAtlas(), test::sunStage());
   ASSERT_TRUE(engine);
   for (const double side : {1.0, -1.0}) {
     const View view = lookAt({0.3, 0.2, -5.0 + side * 5.0}, {0, 0, -5}, 60.0, kWidth, kHeight, 0.05);
@@ -718,7 +601,7 @@ TEST_F(TessFrame, CullingMaskMirrorAndDoubleSideMatchForward) {
 }
 
 TEST_F(TessFrame, GatherersAreExchangedBackAndForth) {
-  auto engine = make(everythingScene(), tessAtlas(), lampStage());
+  auto engine = make(test::everythingScene(), tessAtlas(), test::lampStage());
   ASSERT_TRUE(engine);
   const View view = frontView();
   RectMemoryOptions memory;
@@ -743,10 +626,66 @@ TEST_F(TessFrame, GatherersAreExchangedBackAndForth) {
   EXPECT_LE(largestDifference(drawn(*engine, view), rect), 1);
 }
 
+TEST_F(TessFrame, EachTexelOfTheStatisticsHasItsKind) {
+  auto engine = make(test::whiteScene());
+  ASSERT_TRUE(engine);
+  const View view = cornerView();
+  TessAtlasOptions options = tessAtlas();
+  RectMemoryOptions rect;
+  rect.width = rect.height = 1024;
+  for (const float slanted : {1.5f, TessMemoryOptions::kNoneSlanted, TessMemoryOptions::kAllSlanted, 0.0f}) {
+    SCOPED_TRACE(slanted);
+    options.memory.slanted = slanted;
+    ASSERT_TRUE(slanted > 0.0f ? engine->remakeAtlas(options) : engine->remakeAtlas(rect));
+    engine->rect(view);
+    const GatherStatistics statistics = engine->gatherer()->readStatistics();
+    std::vector<std::uint64_t> texels(1 + statistics.kinds.size(), 0);
+    for (const std::uint8_t kind : engine->gatherer()->readKinds()) ++texels.at(kind);
+    std::uint64_t samples = 0;
+    for (std::size_t i = 0; i < statistics.kinds.size(); ++i) {
+      EXPECT_EQ(statistics.kinds[i].samples, texels[1 + i]) << statistics.kinds[i].name;
+      samples += statistics.kinds[i].samples;
+    }
+    EXPECT_GT(samples, 100u);
+    EXPECT_EQ(statistics.samples, samples);
+    EXPECT_GE(statistics.usedTexels, samples);
+    EXPECT_GT(statistics.visible, 0u);
+  }
+}
+
+TEST_F(TessFrame, SlantIsOfTheTriangleThatAPixelShows) {
+  auto engine = make(test::whiteScene());
+  ASSERT_TRUE(engine);
+  const View view = cornerView();
+  EXPECT_TRUE(engine->readIds().empty());
+  TessAtlasOptions options = tessAtlas();
+  engine->findVisible({&view, 1});
+  const auto ids = engine->readIds();
+  ASSERT_EQ(ids.size(), std::size_t{kWidth} * kHeight);
+  engine->forward(view);
+  const Image picture = engine->readColor();
+  std::set<std::uint32_t> shown;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    EXPECT_EQ(ids[i] != 0, picture.pixels[4 * i + 3] > 0) << "pixel " << i;
+    if (ids[i] != 0) shown.insert(ids[i]);
+  }
+  ASSERT_GT(shown.size(), 4u);
+  // As many are past a threshold as the gatherer oversamples by it.
+  for (const float threshold : {1.5f, 2.5f, 4.0f}) {
+    options.memory.slanted = threshold;
+    ASSERT_TRUE(engine->remakeAtlas(options));
+    engine->rect(view);
+    std::uint64_t slanted = 0;
+    for (const std::uint32_t id : shown)
+      slanted += engine->slantOf(id, view) > static_cast<double>(threshold) ? 1 : 0;
+    EXPECT_EQ(slanted, *engine->gatherer()->readStatistics().slanted) << threshold;
+  }
+}
+
 TEST_F(TessFrame, OutOfMemoryLosesDetailAndNothingElse) {
   TessAtlasOptions small = tessAtlas();
   small.memory.width = small.memory.height = 256;
-  auto engine = make(whiteScene(), small);
+  auto engine = make(test::whiteScene(), small);
   ASSERT_TRUE(engine);
   const View view = frontView();
   for (const bool bias : {false, true}) {

@@ -82,7 +82,7 @@ TEST_F(VisibleViews, OnePassSeesWhatOnePassAViewSees) {
   auto together = make(true);
   auto apart = make(false);
   ASSERT_TRUE(together && apart);
-  for (const int count : {1, 2, 3, 8}) {
+  for (const int count : {1, 2, 3, 8, 11}) {
     const auto views = eyes(count);
     const auto seen = seenBy(*together, views);
     EXPECT_EQ(seen, seenBy(*apart, views)) << count << " views";

@@ -7,6 +7,7 @@
 #include "glsl/shared/material.h"
 #include "glsl/shared/scene.h"
 #include "glsl/shared/tess_atlas.h"
+#include "glsl/shared/texel.h"
 #include "tests/gl_test.hpp"
 
 namespace tessera {
@@ -117,6 +118,31 @@ TEST_F(Layout, TessellationGatherer) {
   const GLuint scan = use({"pass/tess_scan.comp"}, {});
   expectStride(scan, "groups[0].x", sizeof(glsl::TessGroups));
   expectOffset(scan, variable, "groups[0].samples", offsetof(glsl::TessGroups, samples));
+}
+
+TEST_F(Layout, TexelShading) {
+  const GLenum variable = GL_BUFFER_VARIABLE;
+  const GLuint queue = use({"pass/texel_queue.comp"}, {});
+  expectStride(queue, "tiles[0].patchId", sizeof(glsl::TexelTile));
+  expectOffset(queue, variable, "queue[0].slot", offsetof(glsl::TexelTile, slot));
+  expectStride(queue, "batches[0].queued", sizeof(glsl::TexelBatch));
+  expectOffset(queue, variable, "batches[0].firstTile", offsetof(glsl::TexelBatch, firstTile));
+  const GLuint scan = use({"pass/texel_scan.comp"}, {});
+  expectOffset(scan, variable, "batches[0].recordGroupsX", offsetof(glsl::TexelBatch, recordGroupsX));
+  expectOffset(scan, variable, "batches[0].entries", offsetof(glsl::TexelBatch, entries));
+  const GLuint mark = use({"pass/texel_mark.comp"}, {});
+  expectStride(mark, "charts[0].base", sizeof(glsl::TexelChart));
+  const GLuint fit = use({"pass/texel_fit.comp"}, {});
+  using State = glsl::TexelState;
+  for (const auto& [name, offset] :
+       {std::pair<const char*, std::size_t>{"config.lowestBias", offsetof(State, config.lowestBias)},
+        {"pressure.bias", offsetof(State, pressure.bias)},
+        {"pressure.falling", offsetof(State, pressure.falling)},
+        {"shownCoarser", offsetof(State, shownCoarser)},
+        {"tiles1", offsetof(State, tiles1)},
+        {"clearGroupsX", offsetof(State, clearGroupsX)},
+        {"tileGroupsZ", offsetof(State, tileGroupsZ)}})
+    expectOffset(fit, variable, std::string("texels.") + name, offset);
 }
 
 TEST_F(Layout, UniformBlocks) {

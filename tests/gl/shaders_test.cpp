@@ -51,10 +51,12 @@ std::vector<std::string> permutationsOf(const std::string& path) {
     for (const std::string& defines : depth)
       for (const char* more : {"", " WRITE_ID", " WRITE_ID LAYERS", " SHADOW_LAYER"})
         all.push_back(defines + more);
-  } else if (path == "pass/depth.frag" || path == "pass/id.frag" || path == "pass/display.vert" ||
-             path == "pass/display.frag" || path == "pass/tess_display.vert" ||
+  } else if (path == "pass/depth.frag" || path == "pass/id.frag" || path == "pass/tess_display.vert" ||
              path == "pass/tess_display.frag") {
     all = depth;
+  } else if (path == "pass/display.vert" || path == "pass/display.frag") {
+    for (const std::string& defines : depth)
+      for (const char* charts : {"", " CHARTS"}) all.push_back(defines + charts);
   } else if (path == "pass/visible_mark.comp") {
     all = {"", "LAYERS", "TRIANGLES", "TRIANGLES LAYERS"};
   } else if (path == "pass/debug_screen.comp") {
@@ -62,9 +64,14 @@ std::vector<std::string> permutationsOf(const std::string& path) {
   } else if (path == "pass/rect_measure.comp" || path == "pass/tess_measure.comp") {
     all = {"", "FOVEATE", "LENS", "FOVEATE LENS"};
   } else if (path == "pass/display_deferred.comp") {
-    all = {"", "LINEAR_ATLAS", "TRIANGLES", "TRIANGLES LINEAR_ATLAS"};
-  } else if (path == "pass/tess_gather.comp" || path == "pass/tess_raster.frag" ||
-             path == "pass/tess_spawn.tesc" || path == "pass/tess_spawn.tese") {
+    all = {"", "LINEAR_ATLAS", "TRIANGLES", "TRIANGLES LINEAR_ATLAS", "CHARTS", "CHARTS LINEAR_ATLAS"};
+  } else if (path == "pass/rect_emit.comp") {
+    all = {"", "CHARTS"};
+  } else if (path == "pass/texel_mark.comp") {
+    all = {"", "LAYERS"};
+  } else if (path == "pass/tess_gather.comp" || path == "pass/texel_gather.comp" ||
+             path == "pass/tess_raster.frag" || path == "pass/tess_spawn.tesc" ||
+             path == "pass/tess_spawn.tese") {
     // What gathers is never masked, and never blends.
     const std::string group = path == "pass/tess_gather.comp" ? " GROUP=64" : "";
     for (const std::string& defines : surface)

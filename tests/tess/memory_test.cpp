@@ -147,12 +147,22 @@ class Driver {
       found.lSamples += kind == glsl::kTessL ? texels : 0;
       found.slanted += kind == glsl::kTessOver ? 1 : 0;
       found.liveTexels += kind == glsl::kTessSingle ? 0 : texels;
+      if (kind != glsl::kTessOver) continue;
+      const glsl::OverShape over = glsl::overOfShape(shape);
+      for (std::uint32_t thread = 0; thread < texels; ++thread) {
+        const glsl::OverCell cell = glsl::overCellOf(thread, over);
+        if (!cell.used) continue;
+        const bool inside = glsl::overInside(cell.at, glsl::overColumns(over, cell.side), over.rows);
+        ++(inside ? found.inside : found.outside);
+      }
     }
     EXPECT_EQ(statistics.visible, wants.size());
     EXPECT_EQ(statistics.samples, found.samples);
     EXPECT_EQ(statistics.singles, found.singles);
     EXPECT_EQ(statistics.lSamples, found.lSamples);
     EXPECT_EQ(statistics.slanted, found.slanted);
+    EXPECT_EQ(statistics.inside, found.inside);
+    EXPECT_EQ(statistics.outside, found.outside);
     EXPECT_EQ(statistics.liveTexels, found.liveTexels);
     EXPECT_EQ(statistics.failures, state.events.failures);
   }

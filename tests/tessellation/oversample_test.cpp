@@ -110,7 +110,14 @@ TEST(Oversample, InsideIsCountedAsByPick) {
         for (uint x = 0; x < columns; ++x) inside += glsl::overInside({x, y}, columns, rows) ? 1 : 0;
       ASSERT_EQ(inside, (columns * rows + std::gcd(columns - 1, rows - 1) + 1) / 2)
           << columns << " x " << rows;
+      uint texels = 0;
+      for (uint y = 0; y < rows; ++y) texels += glsl::overRow(columns, rows, y);
+      ASSERT_EQ(glsl::overBlockInside(columns, rows), inside) << columns << " x " << rows;
+      ASSERT_EQ(glsl::overBlockOutside(columns, rows), texels - inside) << columns << " x " << rows;
     }
+  EXPECT_EQ(glsl::overBlockInside(8, 1), 8u) << "all of a flat triangle's";
+  EXPECT_EQ(glsl::overBlockOutside(8, 1), 0u);
+  EXPECT_EQ(glsl::overBlockInside(0, 9) + glsl::overBlockOutside(0, 9), 0u) << "no such half";
   EXPECT_TRUE(glsl::overInside({7, 0}, 8, 1));
 }
 

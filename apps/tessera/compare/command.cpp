@@ -1,40 +1,17 @@
 // tessera compare: the methods side by side on the same frames, as report.json and report.html.
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
-#include <fmt/format.h>
-
 #include "apps/tessera/commands.hpp"
+#include "apps/tessera/compare/equal_samples.hpp"
 #include "apps/tessera/compare/figures.hpp"
+#include "apps/tessera/compare/print.hpp"
 #include "apps/tessera/compare/scene.hpp"
 #include "apps/tessera/report_output.hpp"
 
 namespace tessera::app {
 
 namespace {
-
-void printSummary(const ReportScene& scene) {
-  fmt::print("{} ({} triangles, {} frames of {} x {})\n", scene.file, scene.triangles, scene.frames,
-             scene.width, scene.height);
-  std::size_t widest = 0;
-  for (const ReportMethod& m : scene.methods) widest = std::max(widest, m.name.size());
-  const auto cell = [](double value, int decimals) {
-    return std::isnan(value) ? std::string("-") : fmt::format("{:.{}f}", value, decimals);
-  };
-  const auto share = [&](double value) { return cell(100.0 * value, 2); };
-  fmt::print("  {:<{}} {:>7} {:>9} {:>9} {:>7} {:>11} {:>10} {:>11} {:>10} {:>10} {:>8} {:>8} {:>6}\n",
-             "method", widest, "MSSIM", "right eye", "by acuity", "PSNR dB", "FLIP", "samples", "of a pic.",
-             "of forward", "frame ms", "levels %", "memory %", "holes");
-  for (const ReportMethod& m : scene.methods)
-    fmt::print(
-        "  {:<{}} {:>7} {:>9} {:>9} {:>7} {:>11} {:>10.0f} {:>9.1f} % {:>8.1f} % {:>10.1f} {:>8} {:>8} "
-        "{:>6.0f}\n",
-        m.name, widest, cell(m.mssim, 4), cell(mssimOfRightEye(m), 4), cell(m.mssimAcuity, 4),
-        cell(m.psnrDb, 2), cell(m.flip, 4), shadedSamples(m), 100.0 * shadedPerTargetPixel(scene, m),
-        100.0 * shadedAgainstReference(scene, m), m.frameMs.median, share(passShare(m, "levels")),
-        share(passShare(m, "memory")), m.holes);
-}
 
 /// The methods asked for and those of the figures, each once, what others are compared with first.
 Result<std::vector<Method>> methodsOf(const CompareOptions& options,
@@ -78,6 +55,14 @@ Result<void> compare(const CompareOptions& options) {
     if (method.kind == Kind::ForwardLanczos && (size->x % 2 != 0 || size->y % 2 != 0))
       return fail("--size {}: forward-lanczos draws half of the width and of the height: both must be even",
                   options.size.text);
+  auto pvs = parsePvs(options.pvs);
+  if (!pvs) return tl::unexpected(pvs.error());
+  const auto once = [](const Method& method) { return method.usesAtlasOnce(); };
+  if ((options.curve || !pvs->empty()) && std::none_of(methods->begin(), methods->end(), once))
+    return fail("{}: no method of --methods fills an atlas for one view",
+                options.curve ? "--curve" : "--pvs");
+  if (options.equalSamples && samplesReference(*methods) == nullptr)
+    return fail("--equal-samples: --methods has no rect for one view, whose samples the others would get");
   auto files = ReportFiles::create(options.output, "report");
   if (!files) return tl::unexpected(files.error());
   auto context = openContext(options.context);
@@ -86,7 +71,7 @@ Result<void> compare(const CompareOptions& options) {
   Report report;
   report.context = reportContext((*context)->info(), options.command);
   for (const std::string& file : options.scenes) {
-    auto scene = compareScene(**context, file, *methods, options, *size);
+    auto scene = compareScene(**context, file, *methods, *pvs, options, *size);
     if (!scene) return tl::unexpected(scene.error());
     printSummary(*scene);
     report.scenes.push_back(std::move(*scene));
@@ -111,8 +96,10 @@ Run addCompare(CLI::App& app) {
           .add_option(
               "--methods", options->methods,
               "comma-separated: forward, forward-prepass, forward-lanczos, forward-stereo, warp-stereo, "
-              "rect, rect-deferred, rect-stereo; rect ones take settings after a colon, joined by +: "
-              "mpix=N, bias=N, bias=off, floor=N, texbias=N, foveate, lens")
+              "rect, tess, lpack, oversample, and each of these four -deferred or -stereo; they take "
+              "settings "
+              "after a colon, joined by +: mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, foveate, "
+              "lens")
           ->delimiter(',')
           ->capture_default_str();
   auto* figures =
@@ -123,6 +110,21 @@ Run addCompare(CLI::App& app) {
                       "unless asked for otherwise")
           ->delimiter(',')
           ->excludes(methods);
+  command
+      .add_option("--pvs", options->pvs,
+                  "also with the visible set of a moving camera: RADIUS,DEGREES it may go and turn, or all: "
+                  "0.1,40, 0.2,80 and 0.3,120; may be given several times")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->excludes(figures);
+  command
+      .add_flag("--equal-samples", options->equalSamples,
+                "bias the other methods that fill an atlas so that they shade as many samples as rect")
+      ->excludes(figures);
+  command
+      .add_flag("--curve", options->curve,
+                "samples against quality of methods that fill an atlas, over five biases")
+      ->excludes(figures);
   auto* metrics =
       command
           .add_option("--metrics", options->metrics,

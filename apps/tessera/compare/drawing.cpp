@@ -28,14 +28,37 @@ void addTimes(std::vector<PassTime>& sums, const std::vector<PassTime>& times, b
 
 }  // namespace
 
+Result<void> useAtlas(Engine& engine, const Method& method) {
+  if (!method.usesAtlas()) return {};
+  auto setup = engineOptions(method.atlas);
+  if (!setup) return tl::unexpected(setup.error());
+  return setup->gatherer == GathererKind::Tess    ? engine.remakeAtlas(setup->tess)
+         : setup->gatherer == GathererKind::Texel ? engine.remakeAtlas(setup->texel)
+                                                  : engine.remakeAtlas(setup->atlas.memory);
+}
+
+std::vector<View> eyesOf(const Method& method, const View& view, double eyeDistance) {
+  if (!method.isStereo()) return {view};
+  const std::array<View, 2> pair = stereoViews(view, eyeDistance);
+  return {pair.begin(), pair.end()};
+}
+
+Result<void> placeFrame(Engine& engine, const Method& method, const TimedView& timed,
+                        const std::vector<View>& eyes) {
+  if (method.pvs) {
+    std::vector<View> seen = pvsViews(timed.view, *method.pvs);
+    seen.insert(seen.end(), eyes.begin(), eyes.end());
+    engine.findVisible(seen);
+  } else {
+    engine.findVisible(eyes);
+  }
+  return engine.place(eyes, method.spatial.at(timed.time));
+}
+
 Result<Drawn> drawFrame(Engine& engine, const Method& method, const TimedView& timed,
                         const DrawingOptions& options) {
   const PlaceOptions placing = method.spatial.at(timed.time);
-  std::vector<View> eyes = {timed.view};
-  if (method.isStereo()) {
-    const std::array<View, 2> pair = stereoViews(timed.view, options.eyeDistance);
-    eyes.assign(pair.begin(), pair.end());
-  }
+  const std::vector<View> eyes = eyesOf(method, timed.view, options.eyeDistance);
   Drawn drawn;
   const auto count = [&] {
     drawn.invocations += engine.fragments();
@@ -75,8 +98,7 @@ Result<Drawn> drawFrame(Engine& engine, const Method& method, const TimedView& t
   engine.clearTimes();
   engine.update(timed.time);
   if (method.usesAtlas()) {
-    engine.findVisible(eyes);
-    if (auto placed = engine.place(eyes, placing); !placed) return tl::unexpected(placed.error());
+    if (auto placed = placeFrame(engine, method, timed, eyes); !placed) return tl::unexpected(placed.error());
     engine.shade(timed.view, shadeOptions(method.atlas));
     count();
   }

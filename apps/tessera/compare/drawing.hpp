@@ -25,6 +25,14 @@ struct Drawn {
   std::vector<Image> behindLens;
 };
 
+/// Makes the atlas that the method fills, if it does.
+Result<void> useAtlas(Engine& engine, const Method& method);
+/// The view, or the two eyes of a stereo method around it.
+std::vector<View> eyesOf(const Method& method, const View& view, double eyeDistance);
+/// Finds what is visible and places it, for methods that use an atlas.
+Result<void> placeFrame(Engine& engine, const Method& method, const TimedView& timed,
+                        const std::vector<View>& eyes);
+
 Result<Drawn> drawFrame(Engine& engine, const Method& method, const TimedView& timed,
                         const DrawingOptions& options);
 

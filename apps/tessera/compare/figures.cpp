@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "apps/tessera/compare/method.hpp"
+
 namespace tessera::app {
 
 namespace {
@@ -12,15 +14,11 @@ constexpr const char* kFloor = "+floor=-2";
 constexpr const char* kOff = "mpix=64+bias=off";
 
 ReportBar limited(const std::string& method, int megapixels) {
-  // A method has its first setting after a colon, the others after a plus.
-  const char* join = method.find(':') == std::string::npos ? ":" : "+";
-  return {method + join + "mpix=" + std::to_string(megapixels) + kFloor,
-          "Atlas " + std::to_string(megapixels) + " Mpix"};
+  const std::string size = std::to_string(megapixels);
+  return {withSetting(method, "mpix=" + size + kFloor), "Atlas " + size + " Mpix"};
 }
 
-ReportBar unlimited(const std::string& method) {
-  return {method + (method.find(':') == std::string::npos ? ":" : "+") + kOff, "Atlas, bias off"};
-}
+ReportBar unlimited(const std::string& method) { return {withSetting(method, kOff), "Atlas, bias off"}; }
 
 std::vector<ReportFigure> allFigures() {
   std::vector<ReportFigure> figures;

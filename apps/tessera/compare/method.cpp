@@ -1,8 +1,11 @@
 #include "apps/tessera/compare/method.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <string_view>
+
+#include <fmt/ranges.h>
 
 namespace tessera::app {
 
@@ -13,7 +16,7 @@ struct KindName {
   Kind kind;
   Sampling sampling = Sampling::Rect;
 };
-constexpr std::array<KindName, 17> kKinds = {
+constexpr std::array<KindName, 20> kKinds = {
     {{"forward", Kind::Forward},
      {"forward-prepass", Kind::ForwardPrepass},
      {"forward-lanczos", Kind::ForwardLanczos},
@@ -30,7 +33,10 @@ constexpr std::array<KindName, 17> kKinds = {
      {"lpack-stereo", Kind::RectStereo, Sampling::LPack},
      {"oversample", Kind::Rect, Sampling::Oversample},
      {"oversample-deferred", Kind::RectDeferred, Sampling::Oversample},
-     {"oversample-stereo", Kind::RectStereo, Sampling::Oversample}}};
+     {"oversample-stereo", Kind::RectStereo, Sampling::Oversample},
+     {"texel", Kind::Rect, Sampling::Texel},
+     {"texel-deferred", Kind::RectDeferred, Sampling::Texel},
+     {"texel-stereo", Kind::RectStereo, Sampling::Texel}}};
 
 /// The number after "key=", in [least, most].
 Result<double> numberOf(std::string_view value, double least, double most) {
@@ -58,6 +64,17 @@ Result<void> apply(Method& method, std::string_view setting) {
     method.atlas.pressureBias = false;
     return {};
   }
+  if (key == "gather") {
+    const auto& names = gatherNames();
+    if (std::find(names.begin(), names.end(), value) == names.end())
+      return fail("'{}' is not one of {}", value, fmt::join(names, ", "));
+    method.atlas.gather = value;
+    return {};
+  }
+  if (setting == "decode=plain" || setting == "decode=exact") {
+    method.atlas.plainDecode = value == "plain";
+    return {};
+  }
   if (key == "slanted") return set(method.atlas.slanted, 1.0, 1e6);
   if (key == "bias") return set(method.atlas.bias, -8.0, 16.0);
   if (key == "texbias") return set(method.atlas.textureBias, -2.0, 1.0);
@@ -70,10 +87,18 @@ Result<void> apply(Method& method, std::string_view setting) {
     if (!placing.lens) placing.lens.emplace();
     return {};
   }
-  return fail("not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, foveate, lens");
+  return fail(
+      "not one of mpix=N, bias=N, bias=off, floor=N, texbias=N, slanted=N, gather=WAY, decode=plain, "
+      "decode=exact, foveate, "
+      "lens");
 }
 
 }  // namespace
+
+std::string withSetting(const std::string& name, const std::string& setting) {
+  // The first setting comes after a colon, the others after a plus.
+  return name + (name.find(':') == std::string::npos ? ":" : "+") + setting;
+}
 
 Result<Method> parseMethod(const std::string& text, const AtlasChoice& atlas, const SpatialReuse& spatial) {
   const std::size_t colon = text.find(':');

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "apps/tessera/compare/pvs.hpp"
 #include "apps/tessera/options.hpp"
+#include "apps/tessera/report/report.hpp"
 
 namespace tessera::app {
 
@@ -22,11 +25,15 @@ enum class Kind : std::uint8_t {
 struct Method {
   std::string name;
   Kind kind = Kind::Forward;
-  AtlasChoice atlas;     // of methods that use one
-  SpatialReuse spatial;  // none but of methods that use an atlas
+  AtlasChoice atlas;                      // of methods that use one
+  SpatialReuse spatial;                   // none but of methods that use an atlas
+  std::optional<Pvs> pvs = std::nullopt;  // its visible set is a moving camera's
+  double equalSamples = kNotMeasured;     // where its bias was set for it: samples against rect's
   [[nodiscard]] bool usesAtlas() const {
     return kind == Kind::Rect || kind == Kind::RectDeferred || kind == Kind::RectStereo;
   }
+  /// Whether it fills an atlas for one view.
+  [[nodiscard]] bool usesAtlasOnce() const { return usesAtlas() && !isStereo(); }
   [[nodiscard]] bool isStereo() const {
     return kind == Kind::ForwardStereo || kind == Kind::WarpStereo || kind == Kind::RectStereo;
   }
@@ -39,6 +46,9 @@ inline const char* referenceOf(const Method& method) {
   return method.isStereo() ? "forward-stereo" : "forward";
 }
 
+/// The method's name with another setting behind those that it has.
+std::string withSetting(const std::string& name, const std::string& setting);
+
 /// "rect-stereo:mpix=16+bias=off" as a method: settings after a colon, joined by +, for those that use an
 /// atlas. `atlas` and `spatial` are what holds where the text says nothing. Fails with the method and the
 /// setting that it does not know, or whose value is out of range.
@@ -47,6 +57,8 @@ inline const char* referenceOf(const Method& method) {
 ///   bias=off    no constant bias, and none by memory pressure
 ///   floor=N     lowest bias that room to spare may lead to, -4 to 0
 ///   slanted=N   longest edge to height from which tess oversamples a triangle, 1 to 1e6
+///   gather=WAY  how the tessellation gatherer spawns its samples, see gatherNames()
+///   decode=plain, decode=exact   of Ls, see TessDecode
 ///   texbias=N   added to the mip level of textures where texels are shaded, -2 to 1
 ///   foveate     fewer texels where the eye resolves less
 ///   lens        drawn through the lens

@@ -19,6 +19,9 @@ struct CompareOptions {
   std::string output;
   std::vector<std::string> methods = {"forward", "rect", "rect:bias=-2", "rect-deferred", "forward-prepass"};
   std::vector<std::string> figures;  // "4.1" and so on, or "all"
+  std::vector<std::string> pvs;      // "0.1,40" and so on, or "all"
+  bool equalSamples = false;         // biases for as many samples as rect's
+  bool curve = false;                // samples against quality over biases
   std::vector<std::string> metrics = {"mssim", "psnr", "flip"};
   double eyeDistance = 0.063;  // metres
   int warmup = 2;

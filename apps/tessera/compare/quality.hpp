@@ -22,8 +22,8 @@ struct Quality {
   std::optional<MetricMap> error;  // FLIP of the last eye
 };
 
-/// The PSNR of all pictures together is that of their mean squared error: means of decibels hide the bad ones.
-/// kNotMeasured without any.
+/// The PSNR of all pictures together is that of their mean squared error: means of decibels hide the bad
+/// ones. kNotMeasured without any.
 double pooledPsnr(std::span<const double> decibels);
 
 /// `foveation` with the vertical field of view of the pictures, for mssimAcuity. Fails where the pictures do

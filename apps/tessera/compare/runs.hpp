@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "apps/tessera/compare/crops.hpp"
 #include "apps/tessera/compare/options.hpp"
 #include "apps/tessera/compare/pictures.hpp"
 #include "apps/tessera/compare/quality.hpp"
@@ -20,11 +21,15 @@ class Runs {
  public:
   Runs(Engine& engine, const std::vector<TimedView>& views, const std::vector<Method>& methods,
        const CompareOptions& options);
-  Result<Series> run(const Method& method, Progress& progress);
+  enum class Wanted : std::uint8_t { All, Numbers };  // Numbers: no pictures, and of the metrics MSSIM alone
+  Result<Series> run(const Method& method, Progress& progress, Wanted wanted = Wanted::All);
+  /// Where most is slanted, as the methods that were run showed it.
+  [[nodiscard]] const std::vector<ReportCrop>& crops() const { return crops_; }
 
  private:
-  [[nodiscard]] double resets() const;
-  Result<void> frame(const Method& method, std::size_t f, Series& series);
+  [[nodiscard]] std::uint64_t resets() const;
+  Result<void> frame(const Method& method, std::size_t f, Wanted wanted, Series& series);
+  Result<void> keepCrops(const Method& method, std::size_t f, const Image& picture);
   void keepAtlasNumbers(std::size_t f, Series& series) const;
   void keepPictures(std::size_t f, const Image& picture, const Quality& quality, bool atlas,
                     Series& series) const;
@@ -35,6 +40,7 @@ class Runs {
   MetricChoice metrics_;
   PictureBudget budget_;
   References references_;
+  std::vector<ReportCrop> crops_;
 };
 
 }  // namespace tessera::app

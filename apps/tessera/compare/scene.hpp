@@ -10,9 +10,10 @@
 
 namespace tessera::app {
 
-/// Loads the scene `file`, draws it by every method, forward first, and reports what was measured.
+/// Loads the scene `file`, draws it by every method, forward first, those that fill an atlas again with each
+/// visible set of `pvs`, and reports what was measured.
 Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
-                                 const std::vector<Method>& methods, const CompareOptions& options,
-                                 glm::ivec2 size);
+                                 const std::vector<Method>& asked, const std::vector<Pvs>& pvs,
+                                 const CompareOptions& options, glm::ivec2 size);
 
 }  // namespace tessera::app

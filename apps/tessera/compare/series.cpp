@@ -1,5 +1,7 @@
 #include "apps/tessera/compare/series.hpp"
 
+#include <fmt/format.h>
+
 #include "apps/tessera/compare/quality.hpp"
 
 namespace tessera::app {
@@ -10,6 +12,40 @@ double mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return values.empty() ? kNotMeasured : sum / static_cast<double>(values.size());
+}
+
+double mean(const std::vector<GatherStatistics>& frames, std::uint64_t GatherStatistics::*count) {
+  std::vector<double> values;
+  for (const GatherStatistics& frame : frames) values.push_back(static_cast<double>(frame.*count));
+  return mean(values);
+}
+
+/// Means over the frames. What a frame has none of may be absent from it.
+void describeSamples(const std::vector<GatherStatistics>& frames, ReportMethod& report) {
+  const auto add = [](auto& list, const std::string& name) -> auto& {
+    for (auto& item : list)
+      if (item.name == name) return item;
+    list.emplace_back().name = name;
+    return list.back();
+  };
+  const auto count = static_cast<double>(frames.size());
+  for (const GatherStatistics& frame : frames) {
+    for (const GatherKind& kind : frame.kinds) {
+      ReportKind& mean = add(report.kinds, kind.name);
+      mean.color = fmt::format("#{:02x}{:02x}{:02x}", kind.color[0], kind.color[1], kind.color[2]);
+      mean.samples += static_cast<double>(kind.samples) / count;
+    }
+    for (const GatherPacking& packing : frame.packings) {
+      ReportPacking& mean = add(report.packings, packing.name);
+      mean.samples += static_cast<double>(packing.samples) / count;
+      mean.texels += static_cast<double>(packing.texels) / count;
+    }
+  }
+  std::vector<double> shares;
+  for (const GatherStatistics& frame : frames)
+    if (frame.slanted && frame.visible > 0)
+      shares.push_back(static_cast<double>(*frame.slanted) / static_cast<double>(frame.visible));
+  report.slantedShare = mean(shares);
 }
 
 bool isShading(const std::string& pass) { return pass == "gather" || pass == "forward"; }
@@ -67,10 +103,17 @@ ReportMethod reportOf(const Method& method, Series series) {
   report.coveredPixels = mean(series.covered);
   report.holes = series.holes;
   if (method.usesAtlas()) {
-    report.samplesAllocated = mean(series.allocated);
+    report.samplesAllocated = mean(series.gathered, &GatherStatistics::samples);
     report.samplesPartlyInView = mean(series.partly);
-    report.atlasTexelsUsed = mean(series.live);
-    report.visiblePatches = mean(series.patches);
+    report.atlasTexelsUsed = mean(series.gathered, &GatherStatistics::liveTexels);
+    report.takenTexels = mean(series.gathered, &GatherStatistics::usedTexels);
+    report.displayBytes = mean(series.gathered, &GatherStatistics::displayBytes);
+    report.decodeBytes = mean(series.gathered, &GatherStatistics::decodeBytes);
+    report.constantBias = method.atlas.bias;
+    report.equalSamples = method.equalSamples;
+    describeSamples(series.gathered, report);
+    report.kindPicture = std::move(series.kindPicture);
+    report.visiblePatches = mean(series.gathered, &GatherStatistics::visible);
     report.visibleTriangles = mean(series.triangles);
     report.outOfMemory = series.outOfMemory;
     report.resets = series.resets;
@@ -82,7 +125,9 @@ ReportMethod reportOf(const Method& method, Series series) {
   report.gatherMs = summarize(series.gatherMs);
   report.displayMs = summarize(series.displayMs);
   report.nsPerSample = summarize(series.nsPerSample).median;
-  report.series = {series.frameMs, series.mssim, series.flip, series.samples, series.live, series.bias};
+  std::vector<double> live;
+  for (const GatherStatistics& frame : series.gathered) live.push_back(static_cast<double>(frame.liveTexels));
+  report.series = {series.frameMs, series.mssim, series.flip, series.samples, live, series.bias};
   report.frames = std::move(series.pictures);
   return report;
 }

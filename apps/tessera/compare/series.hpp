@@ -19,12 +19,14 @@ struct Series {
   std::vector<double> nsPerPassed, passed, partly;
   std::vector<double> invocations, mssimAcuity;
   std::vector<std::vector<double>> mssimViews;  // by eye, then frame
-  std::vector<double> mssim, psnr, flip, samples, allocated, live, patches, triangles, covered, bias;
+  std::vector<GatherStatistics> gathered;
+  std::vector<double> mssim, psnr, flip, samples, triangles, covered, bias;
   double outOfMemory = 0.0;
   double resets = 0.0;
   double holes = 0.0;
   double nonFinite = kNotMeasured;
   std::vector<ReportFrame> pictures;
+  std::vector<std::uint8_t> kindPicture;
 };
 
 /// Median over the repeats of each pass, in the order of the first run. By name: a repeat of the same moment

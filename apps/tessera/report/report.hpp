@@ -48,6 +48,36 @@ struct ReportFrame {
   std::vector<std::uint8_t> atlas;  // the shading atlas; any size
 };
 
+/// Samples of one kind, see GatherKind.
+struct ReportKind {
+  std::string name;
+  std::string color;  // "#rrggbb" in the picture of the atlas by kind
+  double samples = 0.0;
+};
+
+/// How densely samples fill their places in the atlas, see GatherPacking.
+struct ReportPacking {
+  std::string name;
+  double samples = 0.0;
+  double texels = 0.0;
+};
+
+/// What a method costs and shows with one constant bias.
+struct ReportCurvePoint {
+  double bias = 0.0;  // log2 of area
+  double samplesPerPixel = 0.0;
+  double mssim = 0.0;
+  double gatherMs = kNotMeasured;
+};
+
+/// The visible set of a camera that may move and turn this far, see Pvs.
+struct ReportPvs {
+  std::string method;    // the one of the scene without it
+  double radius = 0.0;   // in the scene's unit
+  double degrees = 0.0;  // in all
+  int views = 0;         // sampled, the picture's own included
+};
+
 /// One method on one scene. Counts are means per measured frame unless they say otherwise.
 struct ReportMethod {
   std::string name;
@@ -77,8 +107,41 @@ struct ReportMethod {
   Statistics displayMs;
   double nsPerSample = kNotMeasured;  // shading time over samples shaded
   double nsPerPassed = kNotMeasured;  // forward: shading time over samples passed
+  // Of methods that fill an atlas.
+  std::vector<ReportKind> kinds;  // their samples sum to samplesShaded
+  std::vector<ReportPacking> packings;
+  double slantedShare = kNotMeasured;     // of the visible triangles, those sampled as slanted ones
+  double takenTexels = kNotMeasured;      // of the atlas: what is not free for places of any size
+  double displayBytes = kNotMeasured;     // a frame, that display reads
+  double decodeBytes = kNotMeasured;      // of them, those that say where texels lie
+  double constantBias = kNotMeasured;     // asked for
+  double equalSamples = kNotMeasured;     // where the bias was set for it: samples against atlasReference's
+  std::vector<ReportCurvePoint> curve;    // rising in bias
+  std::vector<std::uint8_t> kindPicture;  // the fullest part of the atlas coloured by kind, PNG
   ReportSeries series;
   std::vector<ReportFrame> frames;  // chosen frames, rising
+};
+
+/// The same place of a frame by several methods.
+struct ReportCrop {
+  struct Picture {
+    std::string method;
+    double mssim = kNotMeasured;      // of the crop alone, against the reference
+    std::vector<std::uint8_t> image;  // PNG
+  };
+  int frame = 0;
+  int x = 0;  // pixels from the top left
+  int y = 0;
+  int width = 0;
+  int height = 0;
+  double slantedShare = 0.0;      // of its pixels, those of slanted triangles
+  std::vector<Picture> pictures;  // the reference first
+};
+
+/// A method with the visible set of a camera that moves.
+struct ReportPvsRow {
+  ReportPvs pvs;
+  ReportMethod method;
 };
 
 /// A method's bar in a figure.
@@ -108,6 +171,9 @@ struct ReportScene {
   std::string errorMetric = "FLIP";  // what the error pictures show
   double errorFull = 1.0;            // the error with the brightest colour
   std::vector<ReportMethod> methods;
+  std::string atlasReference;  // the method that others which fill an atlas are compared with; may be none
+  std::vector<ReportPvsRow> pvs;
+  std::vector<ReportCrop> crops;  // where most is slanted
 };
 
 struct Report {
@@ -131,8 +197,31 @@ double shadedAgainstReference(const ReportScene& scene, const ReportMethod& meth
 /// A pass' share of the frame, of medians; not a number where the method has no such pass. "levels" and
 /// "memory", which is request, provision, assign, plan and merge, are what managing the atlas takes.
 double passShare(const ReportMethod& method, std::string_view pass);
+/// Shading a sample against forward's, by what it counts as a sample: one that passed the depth test, or one
+/// invocation of the fragment shader.
+double perSampleAgainstPassed(const ReportScene& scene, const ReportMethod& method);
+double perSampleAgainstInvocation(const ReportScene& scene, const ReportMethod& method);
+double dssimOf(const ReportMethod& method);
+/// Mean of the level bias over the frames, memory pressure included.
+double biasInForce(const ReportMethod& method);
+/// Display against that of the scene's atlasReference.
+double displayAgainstAtlas(const ReportScene& scene, const ReportMethod& method);
+/// Taken texels of the atlas without a sample.
+double wastedTexels(const ReportMethod& method);
+/// Bytes for each visible triangle.
+double decodeBytesPerTriangle(const ReportMethod& method);
+double displayBytesPerTriangle(const ReportMethod& method);
+/// Samples and DSSIM of a row against those of its method without a set; not a number without one.
+double samplesAgainstPlain(const ReportScene& scene, const ReportPvsRow& row);
+double dssimAgainstPlain(const ReportScene& scene, const ReportPvsRow& row);
+/// What a method would have, between the points of its curve: MSSIM at so many samples a pixel, and samples a
+/// pixel at such an MSSIM. Not a number beyond them.
+double curveMssimAt(const ReportMethod& method, double samplesPerPixel);
+double curveSamplesAt(const ReportMethod& method, double mssim);
 /// MSSIM of the right eye alone, the one that warping makes; not a number but of a pair.
 double mssimOfRightEye(const ReportMethod& method);
+/// The method of this name; null if the scene has none.
+const ReportMethod* methodNamed(const ReportScene& scene, std::string_view name);
 /// The method that this one is compared with; null if the scene has none of that name.
 const ReportMethod* referenceOf(const ReportScene& scene, const ReportMethod& method);
 

@@ -1,6 +1,5 @@
 #include "apps/tessera/report/report_figures.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -14,9 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const ReportMethod* methodOf(const ReportScene& scene, const ReportBar& bar) {
-  const auto found = std::find_if(scene.methods.begin(), scene.methods.end(),
-                                  [&](const ReportMethod& method) { return method.name == bar.method; });
-  return found == scene.methods.end() ? nullptr : &*found;
+  return methodNamed(scene, bar.method);
 }
 
 /// Columns that only some figures need: those for which a bar has a number.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/tessera/report/report.hpp"
+#include "apps/tessera/report/report_atlas.hpp"
 #include "apps/tessera/report/report_figures.hpp"
 #include "apps/tessera/report/report_page.hpp"
 #include "apps/tessera/report/report_table.hpp"
@@ -48,6 +49,12 @@ Json methodData(const ReportMethod& method) {
                       {"image", dataUri(frame.image)},
                       {"error", dataUri(frame.error)},
                       {"atlas", dataUri(frame.atlas)}});
+  Json kinds = Json::array();
+  for (const ReportKind& kind : method.kinds)
+    kinds.push_back({{"name", kind.name}, {"color", kind.color}, {"samples", kind.samples}});
+  Json curve = Json::array();
+  for (const ReportCurvePoint& point : method.curve)
+    curve.push_back({{"x", point.samplesPerPixel}, {"y", point.mssim}, {"bias", point.bias}});
   const ReportSeries& s = method.series;
   return {{"name", method.name},
           {"passes", std::move(passes)},
@@ -58,7 +65,24 @@ Json methodData(const ReportMethod& method) {
             {"samplesShaded", s.samplesShaded},
             {"atlasTexelsUsed", s.atlasTexelsUsed},
             {"bias", s.bias}}},
-          {"frames", std::move(frames)}};
+          {"frames", std::move(frames)},
+          {"kinds", std::move(kinds)},
+          {"kindPicture", dataUri(method.kindPicture)},
+          {"curve", std::move(curve)}};
+}
+
+Json cropData(const ReportCrop& crop) {
+  Json pictures = Json::array();
+  for (const ReportCrop::Picture& picture : crop.pictures)
+    pictures.push_back(
+        {{"method", picture.method}, {"mssim", picture.mssim}, {"image", dataUri(picture.image)}});
+  return {{"frame", crop.frame},
+          {"x", crop.x},
+          {"y", crop.y},
+          {"width", crop.width},
+          {"height", crop.height},
+          {"slantedShare", crop.slantedShare},
+          {"pictures", std::move(pictures)}};
 }
 
 /// What the page's script reads.
@@ -70,11 +94,14 @@ std::string pageData(const Report& report) {
   for (const ReportScene& scene : report.scenes) {
     Json methods = Json::array();
     for (const ReportMethod& method : scene.methods) methods.push_back(methodData(method));
+    Json crops = Json::array();
+    for (const ReportCrop& crop : scene.crops) crops.push_back(cropData(crop));
     scenes.push_back({{"file", scene.file},
                       {"width", scene.width},
                       {"height", scene.height},
                       {"errorMetric", scene.errorMetric},
                       {"errorFull", scene.errorFull},
+                      {"crops", std::move(crops)},
                       {"methods", std::move(methods)}});
   }
   Json figures = Json::array();
@@ -90,11 +117,12 @@ std::string sceneSection(const ReportScene& scene, std::size_t index) {
       "<p class=\"facts\">{2} triangles · {3} instances · {4} materials · {5} lights · {6} × {7} pixels · "
       "{8} "
       "frames</p>\n<p class=\"facts\">{9}</p>\n<div class=\"pictures\"></div>\n"
-      "<div class=\"charts\"></div>\n<div class=\"scroll\">{10}</div>\n</section>\n",
+      "<div class=\"kinds\"></div>\n<div class=\"crops\"></div>\n<div class=\"charts\"></div>\n{11}<div "
+      "class=\"scroll\">{10}</div>\n</section>\n",
       index, escapeHtml(scene.file), formatCount(static_cast<double>(scene.triangles)),
       formatCount(static_cast<double>(scene.instances)), formatCount(static_cast<double>(scene.materials)),
       formatCount(static_cast<double>(scene.lights)), scene.width, scene.height, scene.frames,
-      escapeHtml(scene.note), methodTable(scene));
+      escapeHtml(scene.note), methodTable(scene), atlasTables(scene));
 }
 
 }  // namespace

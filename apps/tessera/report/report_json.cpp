@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/tessera/report/report_atlas.hpp"
 #include "apps/tessera/report/report_figures.hpp"
 #include "engine/measure/metrics.hpp"
 
@@ -32,46 +33,53 @@ Json methodJson(const ReportScene& scene, const ReportMethod& m) {
     passes.push_back({{"name", pass.name}, {"ms", timingJson(pass.ms)}});
   Json views = Json::array();
   for (const double view : m.mssimViews) views.push_back(number(view));
-  return {{"name", m.name},
-          {"reference", m.reference},
-          {"views", m.views},
-          {"mssim", number(m.mssim)},
-          {"mssim_views", views},
-          {"mssim_acuity", number(m.mssimAcuity)},
-          {"dssim", number(dssim(m.mssim))},
-          {"psnr_db", number(m.psnrDb)},
-          {"flip", number(m.flip)},
-          {"samples_shaded", number(m.samplesShaded)},
-          {"shaded_per_target_pixel", number(shadedPerTargetPixel(scene, m))},
-          {"shaded_per_picture_pixel", number(shadedPerPicturePixel(scene, m))},
-          {"shaded_against_reference", number(shadedAgainstReference(scene, m))},
-          {"invocations", number(m.invocations)},
-          {"invocations_per_target_pixel",
-           number(m.invocations / (static_cast<double>(scene.width) * scene.height))},
-          {"samples_allocated", number(m.samplesAllocated)},
-          {"atlas_texels_used", number(m.atlasTexelsUsed)},
-          {"visible_patches", number(m.visiblePatches)},
-          {"visible_triangles", number(m.visibleTriangles)},
-          {"covered_pixels", number(m.coveredPixels)},
-          {"out_of_memory", number(m.outOfMemory)},
-          {"resets", number(m.resets)},
-          {"holes", number(m.holes)},
-          {"non_finite_texels", number(m.nonFiniteTexels)},
-          {"levels_share", number(passShare(m, "levels"))},
-          {"memory_share", number(passShare(m, "memory"))},
-          {"passes", std::move(passes)},
-          {"frame_ms", timingJson(m.frameMs)},
-          {"gather_ms", timingJson(m.gatherMs)},
-          {"display_ms", timingJson(m.displayMs)},
-          {"samples_passed", number(m.samplesPassed)},
-          {"samples_partly_in_view", number(m.samplesPartlyInView)},
-          {"ns_per_passed", number(m.nsPerPassed)},
-          {"ns_per_sample", number(m.nsPerSample)}};
+  Json json = {{"name", m.name},
+               {"reference", m.reference},
+               {"views", m.views},
+               {"mssim", number(m.mssim)},
+               {"mssim_views", views},
+               {"mssim_acuity", number(m.mssimAcuity)},
+               {"dssim", number(dssim(m.mssim))},
+               {"psnr_db", number(m.psnrDb)},
+               {"flip", number(m.flip)},
+               {"samples_shaded", number(m.samplesShaded)},
+               {"shaded_per_target_pixel", number(shadedPerTargetPixel(scene, m))},
+               {"shaded_per_picture_pixel", number(shadedPerPicturePixel(scene, m))},
+               {"shaded_against_reference", number(shadedAgainstReference(scene, m))},
+               {"invocations", number(m.invocations)},
+               {"invocations_per_target_pixel",
+                number(m.invocations / (static_cast<double>(scene.width) * scene.height))},
+               {"samples_allocated", number(m.samplesAllocated)},
+               {"atlas_texels_used", number(m.atlasTexelsUsed)},
+               {"visible_patches", number(m.visiblePatches)},
+               {"visible_triangles", number(m.visibleTriangles)},
+               {"covered_pixels", number(m.coveredPixels)},
+               {"out_of_memory", number(m.outOfMemory)},
+               {"resets", number(m.resets)},
+               {"holes", number(m.holes)},
+               {"non_finite_texels", number(m.nonFiniteTexels)},
+               {"levels_share", number(passShare(m, "levels"))},
+               {"memory_share", number(passShare(m, "memory"))},
+               {"passes", std::move(passes)},
+               {"frame_ms", timingJson(m.frameMs)},
+               {"gather_ms", timingJson(m.gatherMs)},
+               {"display_ms", timingJson(m.displayMs)},
+               {"samples_passed", number(m.samplesPassed)},
+               {"samples_partly_in_view", number(m.samplesPartlyInView)},
+               {"ns_per_passed", number(m.nsPerPassed)},
+               {"ns_per_sample", number(m.nsPerSample)}};
+  json.update(atlasJson(scene, m));
+  return json;
 }
 
 Json sceneJson(const ReportScene& scene) {
   Json methods = Json::array();
   for (const ReportMethod& method : scene.methods) methods.push_back(methodJson(scene, method));
+  Json pvs = Json::array();
+  for (const ReportPvsRow& row : scene.pvs) {
+    pvs.push_back(pvsJson(scene, row));
+    pvs.back().update(methodJson(scene, row.method));
+  }
   return {{"file", scene.file},
           {"note", scene.note},
           {"triangles", scene.triangles},
@@ -80,7 +88,10 @@ Json sceneJson(const ReportScene& scene) {
           {"lights", scene.lights},
           {"size", {scene.width, scene.height}},
           {"frames", scene.frames},
-          {"methods", std::move(methods)}};
+          {"atlas_reference", scene.atlasReference},
+          {"methods", std::move(methods)},
+          {"pvs", std::move(pvs)},
+          {"crops", cropsJson(scene)}};
 }
 
 }  // namespace

@@ -134,14 +134,19 @@ function paint() {
     const methods = kData.scenes[section.dataset.scene].methods;
     const parent = section.querySelector('.charts');
     parent.replaceChildren();
+    const curve = curveChart(parent, methods);
+    if (curve) drawnCharts.push(curve);
     drawnCharts.push(...drawCharts(parent, methods));
-    section.querySelectorAll('.swatch').forEach(swatch => {
+    section.querySelectorAll('.swatch[data-method]').forEach(swatch => {
       swatch.style.background = methodColour(Number(swatch.dataset.method));
     });
   });
 }
 
 document.querySelectorAll('.scene').forEach(section => {
-  buildPictures(section.querySelector('.pictures'), kData.scenes[section.dataset.scene]);
+  const scene = kData.scenes[section.dataset.scene];
+  buildPictures(section.querySelector('.pictures'), scene);
+  buildKinds(section.querySelector('.kinds'), scene);
+  buildCrops(section.querySelector('.crops'), scene);
 });
 startTheme(paint);

@@ -68,7 +68,7 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
     const int value = std::atoi(text.c_str());
     return value > 0 && (value & (value - 1)) == 0 ? std::string() : text + " is not a power of two";
   };
-  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
+  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024; else 256, less where the atlas has not room for 16")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
   command
@@ -172,7 +172,6 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   RectMemoryOptions& memory = options.atlas.memory;
   const double texels = choice.megapixels * 1048576.0;
   const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
-  if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
   if (choice.smallestBlock > 0) memory.smallestLog2 = log2Of(choice.smallestBlock);
   if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
   if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
@@ -181,8 +180,13 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   memory.strategy = static_cast<AtlasStrategy>(choice.strategy.back() - '0');
   memory.merge = choice.merge;
   memory.biasFloor = static_cast<float>(choice.biasFloor);
+  memory.width = 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9));
+  const int rows = static_cast<int>(std::lround(texels / memory.width));
+  memory.superblockLog2 = choice.superblock > 0
+                              ? log2Of(choice.superblock)
+                              : std::max(superblockLog2Of(memory.width, rows), memory.smallestLog2);
   const int superblock = 1 << memory.superblockLog2;
-  memory.width = std::max(superblock, 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9)));
+  memory.width = std::max(superblock, memory.width);
   memory.height =
       std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
   memory.bias = static_cast<float>(choice.bias);

@@ -97,8 +97,9 @@ class Gatherer {
   virtual void shadeBatch(const gl::Program& program, std::uint32_t batch) const = 0;
   /// After the last batch.
   virtual void endShading() const {}
-  /// Draws consecutive batches for display, with a display program in use.
-  virtual void drawBatches(std::uint32_t first, std::uint32_t count) const = 0;
+  /// Draws consecutive batches for display, with a display program in use. `list`: which part of what is visible;
+  /// each has a program of its own, and most gatherers have one list, 0.
+  virtual void drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t list) const = 0;
 
   /// Whether its gather program draws over the texture, and takes LOCATION_SIZE.
   [[nodiscard]] virtual bool rasters() const { return true; }

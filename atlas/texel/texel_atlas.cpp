@@ -212,7 +212,9 @@ void TexelAtlas::endShading() const {
                           GL_FRAMEBUFFER_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
-void TexelAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const { draw_.draw(first, count); }
+void TexelAtlas::drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t /*list*/) const {
+  draw_.draw(first, count);
+}
 
 std::size_t TexelAtlas::bytes() const {
   return atlas_.texture.bytes() + draw_.bytes() + state_.size() + charts_.size() + table_.size() +

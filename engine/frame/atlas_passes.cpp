@@ -136,14 +136,16 @@ void Engine::display(const View& view, DisplayMode mode) {
              s.draw.batches[last].doubleSided == batch.doubleSided)
         ++last;
       const BatchPrograms& programs = s.batchPrograms[first];
-      programs.display->use();
-      setVec2(*programs.display, LOCATION_SIZE, texelX, texelY);
       if (batch.mask) {
         s.buffers.bindMaterial(batch.material, programs.depth);
       }
       // Entries are counter-clockwise in the world, mirrored or not (see the emit passes).
       gl::applyCulling(!batch.doubleSided, false);
-      gatherer->drawBatches(first, last - first);
+      for (std::size_t list = 0; list < programs.display.size(); ++list) {
+        programs.display[list]->use();
+        setVec2(*programs.display[list], LOCATION_SIZE, texelX, texelY);
+        gatherer->drawBatches(first, last - first, static_cast<std::uint32_t>(list));
+      }
       first = last;
     }
   });

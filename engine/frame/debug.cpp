@@ -41,7 +41,7 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     (*program)->use();
     gl::api().ProgramUniform2f((*program)->get(), LOCATION_SIZE, 2.0f / static_cast<float>(target.width()),
                                2.0f / static_cast<float>(target.height()));
-    s.atlas->drawBatches(0, static_cast<std::uint32_t>(s.draw.batches.size()));
+    s.atlas->drawBatches(0, static_cast<std::uint32_t>(s.draw.batches.size()), 0);
   } else {
     auto program =
         s.programs.get({"pass/debug_screen.comp"}, {{"MODE", kScreenModes[static_cast<std::size_t>(what)]}});

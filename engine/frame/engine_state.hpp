@@ -43,7 +43,7 @@ struct BatchPrograms {
   const gl::Program* idLayers = nullptr;  // from the first call with several views on
   const gl::Program* depthOnly = nullptr;
   const gl::Program* shadow = nullptr;
-  const gl::Program* display = nullptr;
+  std::vector<const gl::Program*> display;  // of each list that the gatherer displays, see Gatherer::drawBatches
 };
 
 /// A BLEND instance and its program.

@@ -142,8 +142,7 @@ void TessAtlas::emit(const VisibleSet&) {
   emit_->use();
   emit_->set(LOCATION_COUNT, batchCount_);
   emit_->set(LOCATION_FRAME, triangles_);
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, split_.dispatch().get());
-  gl::api().DispatchComputeIndirect(0);
+  gl::dispatchIndirect(split_.dispatch());
 }
 
 void TessAtlas::bind() const {
@@ -245,8 +244,7 @@ void TessAtlas::shadeBatch(const gl::Program& program, std::uint32_t batch) cons
     case TessGather::Compute:
     case TessGather::Deferred:
       program.set(LOCATION_COUNT, batch);
-      gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups_.get());
-      gl::api().DispatchComputeIndirect(static_cast<GLintptr>(batch * sizeof(glsl::TessGroups)));
+      gl::dispatchIndirect(groups_, batch * sizeof(glsl::TessGroups));
       return;
     case TessGather::Tess:
       drawIndirect(GL_PATCHES, gatherArray_, commands_, 2 * batchCount_ + batch, 1);
@@ -260,8 +258,8 @@ void TessAtlas::drawBatches(std::uint32_t first, std::uint32_t count, std::uint3
 
 std::size_t TessAtlas::bytes() const {
   return atlas_.texture.bytes() + memory_.bytes() + split_.bytes() + entryOf_.size() + entries_.size() +
-         vertices_.size() + corners_.size() + commands_.size() + pieces_.size() + starts_.size() + groups_.size() +
-         samples_.size();
+         vertices_.size() + corners_.size() + commands_.size() + pieces_.size() + starts_.size() +
+         groups_.size() + samples_.size();
 }
 
 }  // namespace tessera

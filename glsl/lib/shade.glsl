@@ -5,7 +5,7 @@
 #include "shared/scene.h"
 #include "shared/material.h"
 #include "shared/tone.h"
-#include "lib/normal.glsl"
+#include "shared/normal.h"
 #include "lib/brdf.glsl"
 
 #include "lib/material.glsl"

@@ -26,6 +26,9 @@ TexelAtlasOptions texelOptions() {
   return options;
 }
 
+/// Says on the error output which method and view a figure is from.
+bool traces() { return std::getenv("TESSERA_STABILITY_TRACE") != nullptr; }
+
 bool forbidden(const std::uint8_t* pixel, Pixels pixels) {
   if (pixel[3] == 0 || pixels == Pixels::Any) return false;
   if (pixels == Pixels::White) return std::min({pixel[0], pixel[1], pixel[2]}) < 250;
@@ -89,8 +92,7 @@ Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const Engin
       if (countCovered(*x) < x->pixels.size() / 40) return 0.0;
       const auto ratio = psnr(*x, *y);
       if (!ratio) return ratio;
-      if (std::getenv("TESSERA_STABILITY_TRACE") != nullptr)
-        fmt::print(stderr, "  {} view {}: {} dB\n", nameOf(method), i, *ratio);
+      if (traces()) fmt::print(stderr, "  {} view {}: {} dB\n", nameOf(method), i, *ratio);
       least = std::min(least, *ratio);
     }
   }
@@ -98,7 +100,7 @@ Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const Engin
 }
 
 Result<double> badPixels(Bench& bench, Scene scene, std::optional<Stage> stage, std::span<const View> views,
-                         Pixels pixels, const EngineOptions& options) {
+                         Pixels pixels, const EngineOptions& options, double leastCovered) {
   auto made = makeEngine(bench, std::move(scene), std::move(stage), options);
   if (!made) return tl::unexpected(made.error());
   Engine& engine = **made;
@@ -110,6 +112,9 @@ Result<double> badPixels(Bench& bench, Scene scene, std::optional<Stage> stage, 
       const auto image = draw(engine, method, views[i]);
       if (!image) return tl::unexpected(image.error());
       if (method == Method::Forward) {
+        const double covered =
+            4.0 * static_cast<double>(countCovered(*image)) / static_cast<double>(image->pixels.size());
+        if (covered < leastCovered) return fail("only {:.0f} % of view {} is covered", covered * 100.0, i);
         forward.push_back(*image);
       } else {
         bad += engine.nonFiniteTexels();
@@ -117,10 +122,14 @@ Result<double> badPixels(Bench& bench, Scene scene, std::optional<Stage> stage, 
       std::uint64_t wrong = 0;
       for (std::size_t p = 0; p < image->pixels.size(); p += 4) {
         const bool covered = image->pixels[p + 3] != 0;
-        wrong += covered != (forward[i].pixels[p + 3] != 0) || forbidden(&image->pixels[p], pixels) ? 1 : 0;
+        const bool is = covered != (forward[i].pixels[p + 3] != 0) || forbidden(&image->pixels[p], pixels);
+        wrong += is ? 1 : 0;
+        if (is && wrong < 4 && traces())
+          fmt::print(stderr, "  pixel {},{} is {} {} {} {}, forward has alpha {}\n", p / 4 % kWidth,
+                     p / 4 / kWidth, image->pixels[p], image->pixels[p + 1], image->pixels[p + 2],
+                     image->pixels[p + 3], forward[i].pixels[p + 3]);
       }
-      if (wrong != 0 && std::getenv("TESSERA_STABILITY_TRACE") != nullptr)
-        fmt::print(stderr, "  {} view {}: {} pixels\n", nameOf(method), i, wrong);
+      if (wrong != 0 && traces()) fmt::print(stderr, "  {} view {}: {} pixels\n", nameOf(method), i, wrong);
       bad += wrong;
     }
   }
@@ -142,6 +151,14 @@ std::size_t countDifferent(const Image& a, const Image& b) {
   std::size_t different = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) different += a.pixels[i] != b.pixels[i] ? 1 : 0;
   return different;
+}
+
+int largestDifference(const Image& a, const Image& b) {
+  if (a.pixels.size() != b.pixels.size()) return 255;
+  int largest = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i)
+    largest = std::max(largest, std::abs(int{a.pixels[i]} - int{b.pixels[i]}));
+  return largest;
 }
 
 }  // namespace tessera::stability

@@ -41,8 +41,9 @@ Result<Image> draw(Engine& engine, Method method, const View& view);
 
 /// Texels that are not finite, covered pixels that `pixels` forbids, and pixels that forward covers and a
 /// method does not or the other way round: over all methods and views.
+/// Fails where forward covers less than `leastCovered` of a picture: what is not drawn proves nothing.
 Result<double> badPixels(Bench& bench, Scene scene, std::optional<Stage> stage, std::span<const View> views,
-                         Pixels pixels, const EngineOptions& options = {});
+                         Pixels pixels, const EngineOptions& options = {}, double leastCovered = 0.0);
 
 /// Makes `method` the one that fills the atlas; nothing to do for Forward.
 Result<void> use(Engine& engine, Method method, const RectMemoryOptions& memory = {});
@@ -60,7 +61,8 @@ Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const Engin
 /// A view of kWidth x kHeight.
 View look(const glm::dvec3& eye, const glm::dvec3& target, double fovYDegrees = 60.0, double zNear = 0.01);
 std::size_t countCovered(const Image& image);
-/// Bytes that differ.
+/// Bytes that differ, and by how much the farthest two.
 std::size_t countDifferent(const Image& a, const Image& b);
+int largestDifference(const Image& a, const Image& b);
 
 }  // namespace tessera::stability

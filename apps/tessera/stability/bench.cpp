@@ -76,13 +76,14 @@ Result<void> use(Engine& engine, Method method, const RectMemoryOptions& memory)
   return engine.remakeAtlas(small);
 }
 
-Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const EngineOptions& options) {
+Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const EngineOptions& options,
+                         std::span<const Method> methods) {
   auto first = makeEngine(bench, a.scene, a.stage, options);
   if (!first) return tl::unexpected(first.error());
   auto second = makeEngine(bench, b.scene, b.stage, options);
   if (!second) return tl::unexpected(second.error());
   double least = 99.0;
-  for (const Method method : kMethods) {
+  for (const Method method : methods) {
     for (Engine* engine : {first->get(), second->get()})
       if (auto used = use(*engine, method, options.atlas.memory); !used) return tl::unexpected(used.error());
     for (std::size_t i = 0; i < a.views.size(); ++i) {

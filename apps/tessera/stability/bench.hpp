@@ -54,9 +54,10 @@ struct Shot {
   std::optional<Stage> stage;
   std::vector<View> views;
 };
-/// PSNR of the same views of two scenes, the least over all methods and views in dB; 99 where they are equal.
+/// PSNR of the same views of two scenes, the least over the methods and views in dB; 99 where they are equal.
 /// 0 where the first covers less than a tenth of a picture: nothing would be compared.
-Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const EngineOptions& options = {});
+Result<double> leastPsnr(Bench& bench, const Shot& a, const Shot& b, const EngineOptions& options = {},
+                         std::span<const Method> methods = kMethods);
 
 /// A view of kWidth x kHeight.
 View look(const glm::dvec3& eye, const glm::dvec3& target, double fovYDegrees = 60.0, double zNear = 0.01);

@@ -1,5 +1,8 @@
 // Two runs of the same frames.
 #include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
 
 #include "apps/tessera/stability/case.hpp"
 #include "apps/tessera/stability/motion.hpp"
@@ -35,12 +38,29 @@ Result<Run> runOf(Bench& bench, Method method) {
   return run;
 }
 
+using Pair = std::array<Run, 2>;
+/// One pair of runs a method, however many cases look at it.
+using Done = std::shared_ptr<std::map<Method, Pair>>;
+
+Result<const Pair*> runsOf(Bench& bench, const Done& done, Method method) {
+  if (!done->contains(method)) {
+    Pair pair;
+    for (Run& run : pair) {
+      auto made = runOf(bench, method);
+      if (!made) return tl::unexpected(made.error());
+      run = std::move(*made);
+    }
+    done->emplace(method, std::move(pair));
+  }
+  return &done->at(method);
+}
+
 /// What differs between two runs.
-Result<double> differences(Bench& bench, Method method, bool pictures) {
-  const auto first = runOf(bench, method);
-  if (!first) return tl::unexpected(first.error());
-  const auto second = runOf(bench, method);
-  if (!second) return tl::unexpected(second.error());
+Result<double> differences(Bench& bench, const Done& done, Method method, bool pictures) {
+  const auto pair = runsOf(bench, done, method);
+  if (!pair) return tl::unexpected(pair.error());
+  const Run* first = &(**pair)[0];
+  const Run* second = &(**pair)[1];
   if (pictures) {
     int largest = 0;
     for (std::size_t i = 0; i < first->pictures.size(); ++i)
@@ -57,6 +77,7 @@ Result<double> differences(Bench& bench, Method method, bool pictures) {
 }  // namespace
 
 void addDeterminismCases(Cases& cases) {
+  const auto done = std::make_shared<std::map<Method, Pair>>();
   for (const Method method : kMethods) {
     const bool atlas = method != Method::Forward;
     cases.push_back(
@@ -66,12 +87,12 @@ void addDeterminismCases(Cases& cases) {
                "bit: the pictures"
              : "two runs of the same frames: the pictures, to the bit",
          "of 255", atlas ? 1.0 : 0.0, Sense::AtMost,
-         [method](Bench& bench) { return differences(bench, method, true); }});
+         [done, method](Bench& bench) { return differences(bench, done, method, true); }});
     if (!atlas) continue;
     cases.push_back({std::string("determinism/") + nameOf(method) + "-figures",
                      "two runs of the same frames: visible triangles, samples, failures, resets", "figures",
                      0.0, Sense::AtMost,
-                     [method](Bench& bench) { return differences(bench, method, false); }});
+                     [done, method](Bench& bench) { return differences(bench, done, method, false); }});
   }
 }
 

@@ -56,7 +56,7 @@ Case roomCase(const char* name, const char* why, const Change& change, Pixels pi
   return {name, why, "bad pixels", 0.0, Sense::AtMost, [change, pixels](Bench& bench) {
             auto [scene, stage] = room();
             change(scene, stage);
-            return badPixels(bench, std::move(scene), std::move(stage), views(), pixels, {}, 0.3);
+            return badPixels(bench, std::move(scene), std::move(stage), views(), pixels, {}, 0.15);
           }};
 }
 

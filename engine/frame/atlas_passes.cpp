@@ -32,6 +32,8 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
   const auto placed = views.first(std::min(views.size(), kMaxViews));
   auto measure = s.measureProgram(options);
   if (!measure) return tl::unexpected(measure.error());
+  s.moveAnchor(s.anchorFor(placed.front()));
+  s.placedAnchor = s.anchor;
   s.bindScene();
   s.setViews(placed);
   if (*measure != nullptr) s.setDensities(placed, options);
@@ -47,6 +49,7 @@ void Engine::shade(const View& view, const ShadeOptions& options) {
   const Gatherer* gatherer = s.gatherer();
   if (gatherer == nullptr) return;
   const auto guard = s.guard();
+  s.moveAnchor(s.placedAnchor);
   s.bindScene();
   s.setViews({&view, 1});
   gatherer->bind();
@@ -76,6 +79,7 @@ void Engine::shade(const View& view, const ShadeOptions& options) {
 void Engine::display(const View& view, DisplayMode mode) {
   State& s = *s_;
   const auto guard = s.guard();
+  s.moveAnchor(s.gatherer() != nullptr ? s.placedAnchor : s.anchorFor(view));
   s.bindScene();
   s.setViews({&view, 1});
   s.beginPicture(view);

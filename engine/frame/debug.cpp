@@ -25,6 +25,7 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
   if (!s.atlas) return fail("{}: this view is the rectangular atlas's", s.scene.file);
   gl::Texture target(GL_RGBA8, what == DebugView::Blocks ? s.atlas->atlas().texture.width() : view.width,
                      what == DebugView::Blocks ? s.atlas->atlas().texture.height() : view.height);
+  s.moveAnchor(s.placedAnchor);
   s.bindScene();
   s.atlas->bind();
   gl::api().MemoryBarrier(GL_ALL_BARRIER_BITS);

@@ -1,9 +1,11 @@
 #include "engine/frame/engine.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/frame/charts.hpp"
 #include "engine/frame/engine_state.hpp"
+#include "engine/scene/finite.hpp"
 #include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
 #include "glsl/shared/tone.h"
@@ -62,6 +64,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
+  makeFinite(s.scene);
   if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits)
     return tl::unexpected(fits.error());
   say("splitting long edges");
@@ -71,7 +74,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   completeAttributes(s.scene, s.features);
   say("building patches");
   s.draw = prepare(s.scene, options.patches);
-  s.anchor = s.scene.bounds.centre();
+  s.anchor = s.placedAnchor = s.scene.bounds.centre();
   say("uploading");
   auto buffers = upload(s.scene, s.draw);
   if (!buffers) return tl::unexpected(buffers.error());
@@ -133,30 +136,61 @@ void Engine::State::setDensities(std::span<const View> views, const PlaceOptions
   densityBuffer.bindUniform(BIND_DENSITY);
 }
 
+glm::dvec3 Engine::State::anchorFor(const View& view) const {
+  // At the edge of a cell a float's last place is 1/1024 of the near plane at the most.
+  constexpr double kCellInNearPlanes = 16384.0;
+  const double cell = defaultNear(scene) * kCellInNearPlanes;
+  const glm::dvec3 centre = scene.bounds.centre();
+  const glm::dvec3 cells = glm::round((view.eye - centre) / cell);
+  const bool finite = std::isfinite(cells.x) && std::isfinite(cells.y) && std::isfinite(cells.z);
+  return finite ? centre + cells * cell : centre;
+}
+
+void Engine::State::moveAnchor(const glm::dvec3& to) {
+  if (to == anchor || !updated) return;
+  anchor = to;
+  writeInstances();
+  writeLights();
+  drawShadows();
+}
+
+void Engine::State::writeInstances() {
+  const auto records = instanceRecords(scene, draw, now, anchor);
+  buffers.instances.write(std::span<const glsl::InstanceGpu>(records));
+  bounds = instanceBounds(scene, draw.instances, now);
+  for (Box& box : bounds) {
+    box.min -= anchor;
+    box.max -= anchor;
+  }
+  mirrored.clear();
+  for (std::size_t i = 0; i < draw.instances.size(); ++i)
+    mirrored.push_back((records[i].flags & glsl::kInstanceMirrored) != 0);
+}
+
+void Engine::State::writeLights() {
+  if (!features.lights) return;
+  lights = buildLights(evaluateLights(scene, now, stage ? &*stage : nullptr, time), scene.bounds, anchor,
+                       options.shadowSize);
+  lightBuffer.write(std::span<const glsl::LightGpu>(lights.lights));
+  if (shadowBuffer) shadowBuffer.write(std::span<const glsl::ShadowGpu>(lights.shadows));
+}
+
 void Engine::update(double time) {
   State& s = *s_;
   const auto guard = s.guard();
   const bool first = !s.updated;
   if (first || s.features.animated) {
     evaluate(s.scene, time, s.now);
-    const auto records = instanceRecords(s.scene, s.draw, s.now, s.anchor);
-    s.buffers.instances.write(std::span<const glsl::InstanceGpu>(records));
-    s.bounds = instanceBounds(s.scene, s.draw.instances, s.now);
-    for (Box& box : s.bounds) {
-      box.min -= s.anchor;
-      box.max -= s.anchor;
-    }
-    s.mirrored.clear();
-    for (std::size_t i = 0; i < s.draw.instances.size(); ++i)
-      s.mirrored.push_back((records[i].flags & glsl::kInstanceMirrored) != 0);
+    s.writeInstances();
   }
-  const Stage* stage = s.stage ? &*s.stage : nullptr;
-  if (s.features.lights)
-    s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor,
-                           s.options.shadowSize);
+  s.time = time;
   if (first) {
     if (s.features.lights) s.lightBuffer = gl::Buffer(glsl::kMaxLights * sizeof(glsl::LightGpu));
     if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
+  }
+  s.writeLights();
+  const Stage* stage = s.stage ? &*s.stage : nullptr;
+  if (first) {
     if (s.features.shadows) {
       const int size = s.options.shadowSize;
       s.shadowMap =
@@ -170,8 +204,6 @@ void Engine::update(double time) {
                                           static_cast<int>(i));
     }
   }
-  if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
-  if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
   // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
   constexpr float kAmbientAlone = 0.8f;
   const Ambient unlitScene{glm::vec3(kAmbientAlone), glm::vec3(kAmbientAlone)};
@@ -179,8 +211,8 @@ void Engine::update(double time) {
                           : s.features.lights                ? Ambient{}
                                                              : unlitScene;
   glsl::FrameGpu frame{};
-  frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
-  frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
+  frame.ambientSky = glm::vec4(boundedRadiance(ambient.sky), stage != nullptr ? stage->exposure : 1.0f);
+  frame.ambientGround = glm::vec4(boundedRadiance(ambient.ground), 0.0f);
   frame.lightCount = static_cast<glsl::uint>(s.lights.lights.size());
   s.frameBuffer.writeValue(frame);
   s.updated = true;

@@ -92,8 +92,8 @@ class Engine {
   /// Places the visible set for these views, at most kMaxViews (the largest over them counts), with fewer
   /// texels where the options say that fewer are seen. The program of a combination of options is compiled at
   /// its first use. Fails, and leaves everything as it was, where check() of an option or that program fails.
-  /// Texel Shading takes its levels from the pixels of findVisible's views, whatever these are, and fails with
-  /// any option.
+  /// Texel Shading takes its levels from the pixels of findVisible's views, whatever these are, and fails
+  /// with any option.
   Result<void> place(std::span<const View> views, const PlaceOptions& options = {});
   /// Shades every placed patch, as seen from `view`'s eye. For several views: once, from between them.
   void shade(const View& view, const ShadeOptions& options = {});

@@ -150,6 +150,7 @@ void Engine::findVisible(std::span<const View> views) {
   State& s = *s_;
   if (!s.visible || views.empty()) return;
   const auto guard = s.guard();
+  s.moveAnchor(s.anchorFor(views.front()));
   s.bindScene();
   s.visible->begin();
   s.gatherer()->beginViews();
@@ -193,6 +194,7 @@ void Engine::findVisible(std::span<const View> views) {
 void Engine::forward(const View& view, bool depthPrepass) {
   State& s = *s_;
   const auto guard = s.guard();
+  s.moveAnchor(s.anchorFor(view));
   s.bindScene();
   s.setViews({&view, 1});
   s.beginPicture(view);

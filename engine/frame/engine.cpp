@@ -40,6 +40,11 @@ Result<void> checkLights(const Scene& scene, const Stage* stage) {
   return {};
 }
 
+Result<void> checkShadowSize(int texels) {
+  if (texels < 64 || texels > 8192) return fail("shadow size {} is outside [64, 8192]", texels);
+  return {};
+}
+
 }  // namespace
 
 Engine::Engine() = default;
@@ -47,8 +52,7 @@ Engine::~Engine() = default;
 
 Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene, std::optional<Stage> stage,
                                                const EngineOptions& options) {
-  if (options.shadowSize < 64 || options.shadowSize > 8192)
-    return fail("shadow size {} is outside [64, 8192]", options.shadowSize);
+  if (auto good = checkShadowSize(options.shadowSize); !good) return tl::unexpected(good.error());
   if (!(options.splitEdges >= 0.0 && options.splitEdges <= 1.0))
     return fail("edge split share {} is outside [0, 1]", options.splitEdges);
   const auto say = [&](const char* step) {
@@ -157,19 +161,8 @@ void Engine::update(double time) {
   if (first) {
     if (s.features.lights) s.lightBuffer = gl::Buffer(glsl::kMaxLights * sizeof(glsl::LightGpu));
     if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
-    if (s.features.shadows) {
-      const int size = s.options.shadowSize;
-      s.shadowMap =
-          gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(s.lights.layers.size()));
-      s.shadowMap.filter(GL_LINEAR, GL_LINEAR);
-      s.shadowMap.wrap(GL_CLAMP_TO_EDGE);
-      s.shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-      s.shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-      for (std::size_t i = 0; i < s.lights.layers.size(); ++i)
-        s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
-                                          static_cast<int>(i));
-    }
   }
+  if (s.features.shadows && s.shadowMap.width() != s.options.shadowSize) s.makeShadowMap();
   if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
   if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
   // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
@@ -196,6 +189,15 @@ Result<void> Engine::remakeAtlas(const RectMemoryOptions& memory) {
   return s_->makeGatherer(options);
 }
 
+Result<void> Engine::remakeAtlas(const RectAtlasOptions& rect) {
+  EngineOptions options = s_->options;
+  options.gatherer = GathererKind::Rect;
+  options.atlas = rect;
+  if (s_->gatherer() == nullptr) return {};
+  const auto guard = s_->guard();
+  return s_->makeGatherer(options);
+}
+
 Result<void> Engine::remakeAtlas(const TessAtlasOptions& tess) {
   EngineOptions options = s_->options;
   options.gatherer = GathererKind::Tess;
@@ -212,6 +214,12 @@ Result<void> Engine::remakeAtlas(const TexelAtlasOptions& texel) {
   if (s_->gatherer() == nullptr) return {};
   const auto guard = s_->guard();
   return s_->makeGatherer(options);
+}
+
+Result<void> Engine::setShadowSize(int texels) {
+  if (auto good = checkShadowSize(texels); !good) return good;
+  s_->options.shadowSize = texels;
+  return {};
 }
 
 Result<void> Engine::setSpawn(const TessSpawn& spawn) {

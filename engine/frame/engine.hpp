@@ -118,11 +118,15 @@ class Engine {
   /// vertex a pixel. `from` is the view that forward drew. The surface has no gaps: it is drawn out between
   /// near and far, and beyond the picture's edges it goes on as far again as the picture is wide and high.
   Result<void> warp(const View& from, const View& to);
-  /// Another atlas in place of the one there is, with the same format; what that one held is lost. Fails, and
-  /// leaves the old one, where such an atlas cannot be made.
+  /// Another atlas in place of the one there is; what that one held is lost. Fails, and leaves the old one,
+  /// where such an atlas cannot be made. With memory options alone, a rectangular one keeps its format.
   Result<void> remakeAtlas(const RectMemoryOptions& memory);
+  Result<void> remakeAtlas(const RectAtlasOptions& rect);
   Result<void> remakeAtlas(const TessAtlasOptions& tess);
   Result<void> remakeAtlas(const TexelAtlasOptions& texel);
+  /// Shadow maps of another size (see EngineOptions::shadowSize), from the next update() on. Fails, and
+  /// changes nothing, for a size out of range.
+  Result<void> setShadowSize(int texels);
   /// Another way to spawn the samples of what is placed; without effect on any but the tessellation gatherer.
   /// Fails, and changes nothing, where check(spawn) does or a program does not compile.
   Result<void> setSpawn(const TessSpawn& spawn);

@@ -111,6 +111,19 @@ void Engine::State::drawDepthList(const DrawList& list, const gl::Program* Batch
   }
 }
 
+void Engine::State::makeShadowMap() {
+  const int size = options.shadowSize;
+  shadowFramebuffers.clear();
+  shadowMap = gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(lights.layers.size()));
+  shadowMap.filter(GL_LINEAR, GL_LINEAR);
+  shadowMap.wrap(GL_CLAMP_TO_EDGE);
+  shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  for (std::size_t i = 0; i < lights.layers.size(); ++i)
+    shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &shadowMap, static_cast<int>(i));
+  uploadedLights.clear();
+}
+
 void Engine::State::drawShadows() {
   if (!features.shadows) return;
   // A static scene under lights that stand still keeps its shadow map.

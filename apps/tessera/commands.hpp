@@ -16,5 +16,6 @@ Run addRender(CLI::App& app);
 Run addInfo(CLI::App& app);
 Run addCompare(CLI::App& app);
 Run addAtlasBench(CLI::App& app);
+Run addAccuracy(CLI::App& app);
 
 }  // namespace tessera::app

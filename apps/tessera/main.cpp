@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
       {"info", tessera::app::addInfo(app)},
       {"compare", tessera::app::addCompare(app)},
       {"atlas-bench", tessera::app::addAtlasBench(app)},
+      {"accuracy", tessera::app::addAccuracy(app)},
   };
   try {
     app.parse(argc, argv);

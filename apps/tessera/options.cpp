@@ -105,6 +105,7 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
   command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
       ->check(CLI::IsMember({"srgb8", "rgba16f"}))
       ->capture_default_str();
+  command.add_flag("!--no-pairs", choice.pairs, "each triangle is a patch of its own");
   command
       .add_option("--split-edges", choice.splitEdges,
                   "split edges longer than this share of the scene's diagonal; 0: never")
@@ -221,6 +222,7 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   options.tess.format = options.atlas.format;
   texel.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
+  options.patches = {.pair = choice.pairs, .triple = choice.pairs};
   return options;
 }
 

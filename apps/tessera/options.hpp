@@ -61,6 +61,7 @@ struct AtlasChoice {
   double hysteresis = -2.0;  // log2; below -1: the default
   std::string format = "srgb8";
   double splitEdges = -1.0;  // negative: the engine's default
+  bool pairs = true;         // false: each triangle is a patch of its own
 };
 
 struct SpatialChoice {

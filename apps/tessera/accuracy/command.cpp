@@ -22,6 +22,7 @@ struct AccuracyOptions {
   std::string output;
   bool quick = false;
   std::vector<std::string> knobs;  // none: all
+  int places = 4;
   int repeats = 5;
   int combinations = 40;
   unsigned seed = 1;
@@ -38,6 +39,21 @@ constexpr int kOtherQuality = 72;
 constexpr int kErrorQuality = 75;
 constexpr int kOtherSide = 480;  // pixels, at most, of pictures that are on no front
 
+/// In a row at each place of the path, so that what an atlas keeps from frame to frame counts.
+constexpr std::size_t kFramesInRow = 2;
+
+/// Rows of frames at so many places along all of them.
+std::vector<TimedView> pickViews(const std::vector<TimedView>& all, std::size_t places) {
+  if (all.size() <= places * kFramesInRow) return all;
+  std::vector<TimedView> views;
+  const std::size_t last = all.size() - kFramesInRow;
+  for (std::size_t p = 0; p < places; ++p)
+    for (std::size_t i = 0; i < kFramesInRow; ++i)
+      // Not at the very ends, where paths often rest.
+      views.push_back(all[(2 * p + 1) * last / (2 * places) + i]);
+  return views;
+}
+
 /// All runs of one configuration.
 struct Runs {
   std::vector<double> ms, dssim;
@@ -50,29 +66,29 @@ class SceneStudy {
 
   void run() {
     std::mt19937 random(options_.seed);
-    const std::size_t singles = plan_.configurations.size();
-    const std::size_t most = singles + static_cast<std::size_t>(options_.combinations);
-    Progress progress(std::filesystem::path(scene_.file).filename().string(),
-                      most * static_cast<std::size_t>(options_.repeats));
-    std::vector<std::size_t> order(singles);
-    for (std::size_t i = 0; i < singles; ++i) order[i] = i;
-    measure(order, random, progress);
-    for (const Settings& settings :
-         worthCombining(measured(), static_cast<std::size_t>(options_.combinations)))
-      // What is made of settings that hold by themselves holds, or is of knobs that exclude each other:
-      // passed over.
-      (void)plan_.add(settings);
-    // What is left of the runs, all in one random order: drift of the machine fakes no trend.
+    const auto repeats = static_cast<std::size_t>(options_.repeats);
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < plan_.configurations.size(); ++i) order.insert(order.end(), repeats, i);
+    measure("knobs", order, random);
     order.clear();
-    for (int run = 0; run < options_.repeats; ++run)
-      for (std::size_t i = 0; i < plan_.configurations.size(); ++i)
-        if (run > 0 || i >= singles) order.push_back(i);
-    measure(order, random, progress);
+    const std::vector<Measured> singles = measured();
+    for (const Settings& settings : worthCombining(singles, static_cast<std::size_t>(options_.combinations)))
+      if (auto index = plan_.add(settings)) order.insert(order.end(), repeats, *index);
+    if (!order.empty()) {
+      // What they compete with runs again beside them: the machine may have changed since.
+      std::vector<Tradeoff> trades;
+      for (const Measured& single : singles) trades.push_back(single.trade);
+      for (const std::size_t i : paretoFront(trades))
+        if (auto index = plan_.add(singles[i].settings)) order.insert(order.end(), repeats, *index);
+      measure("combinations", order, random);
+    }
     finish();
   }
 
  private:
-  void measure(std::vector<std::size_t> order, std::mt19937& random, Progress& progress) {
+  /// In random order: a drift of the machine is not taken for a trend.
+  void measure(const char* what, std::vector<std::size_t> order, std::mt19937& random) {
+    Progress progress(scene_.file + " " + what, order.size());
     std::shuffle(order.begin(), order.end(), random);
     runs_.resize(plan_.configurations.size());
     points_.resize(plan_.configurations.size());
@@ -110,7 +126,8 @@ class SceneStudy {
   [[nodiscard]] std::vector<Measured> measured() const {
     std::vector<Measured> all;
     for (std::size_t i = 0; i < runs_.size(); ++i)
-      if (!failed_[i]) all.push_back({plan_.configurations[i], runs_[i].ms.front(), runs_[i].dssim.front()});
+      if (!failed_[i])
+        all.push_back({plan_.configurations[i], {spreadOf(runs_[i].ms), spreadOf(runs_[i].dssim)}});
     return all;
   }
 
@@ -162,6 +179,7 @@ Result<AccuracyScene> studyScene(gl::Context& context, const std::string& file, 
     const auto step = [&](const std::string& text) { loading.step(text); };
     measured = loadMeasured(file, options.stage, options.camera, size, step);
     if (!measured) return tl::unexpected(measured.error());
+    measured->views = pickViews(measured->views, static_cast<std::size_t>(options.places));
     measuring = Measuring::create(context, *measured, options.measure, step);
     if (!measuring) return fail("{}: {}", file, measuring.error().message);
   }
@@ -234,16 +252,21 @@ Result<void> accuracy(const AccuracyOptions& options) {
 Run addAccuracy(CLI::App& app) {
   auto options = std::make_shared<AccuracyOptions>();
   options->camera.pathUnlessChosen = "tour";
-  options->camera.frames = 6;
-  options->camera.fps = 0.0;  // unless given: as many as show the whole path
   CLI::App& command = *app.add_subcommand(
       "accuracy", "Turn every knob that trades accuracy for time; writes accuracy.json and accuracy.html");
   command.add_option("scenes", options->scenes, "glTF 2.0 files")->required();
   command.add_option("-o,--output", options->output, "folder for the report")->required();
   command.add_flag(
       "--quick", options->quick,
-      "minutes instead of an hour: fewer knobs and values, and unless given 480x270, 3 frames, 3 "
-      "repeats and 12 combinations");
+      "minutes instead of an hour: fewer knobs and values, and unless given 480x270, 2 places, 3 "
+      "repeats and 10 combinations");
+  auto* places =
+      command
+          .add_option(
+              "--places", options->places,
+              "along the camera path, two frames in a row at each; --frames and --fps make the path's frames")
+          ->check(CLI::Range(1, 1000))
+          ->capture_default_str();
   command.add_option("--knobs", options->knobs, "comma-separated: of the knobs, these alone")->delimiter(',');
   auto* repeats =
       command.add_option("--repeats", options->repeats, "runs of each configuration over the frames")
@@ -268,13 +291,12 @@ Run addAccuracy(CLI::App& app) {
   addCamera(command, options->camera);
   addStage(command, options->stage);
   const auto* size = command.get_option("--size");
-  const auto* frames = command.get_option("--frames");
   return [=](const std::string& line) {
     if (options->quick) {
       if (size->count() == 0) options->size.text = "480x270";
-      if (frames->count() == 0) options->camera.frames = 3;
+      if (places->count() == 0) options->places = 2;
       if (repeats->count() == 0) options->repeats = 3;
-      if (combinations->count() == 0) options->combinations = 12;
+      if (combinations->count() == 0) options->combinations = 10;
     }
     options->command = line;
     return accuracy(*options);

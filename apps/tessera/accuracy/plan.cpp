@@ -8,7 +8,6 @@ namespace tessera::app {
 namespace {
 
 constexpr int kMostChanges = 3;
-constexpr double kWorth = 0.98;  // a change must bring cost or error below this: the rest is noise
 
 /// What turning one knob does to a method.
 struct Change {
@@ -44,23 +43,28 @@ std::vector<Candidate> frontOf(std::vector<Candidate> all) {
   return front;
 }
 
-/// What each knob by itself does to the method of `base`, where that is worth something.
+/// 1 where the two cannot be told apart.
+double factor(const Spread& from, const Spread& to) {
+  return touch(from, to) ? 1.0 : to.median / from.median;
+}
+
+/// What each knob by itself does to the method of `base`, where it makes anything better.
 std::vector<Change> changesOf(const Measured& base, std::span<const Measured> measured) {
   std::vector<Change> changes;
   for (const Measured& one : measured) {
     const Settings change = turned(one.settings);
     if (settingOf(one.settings, "method") != settingOf(base.settings, "method") || change.size() != 1)
       continue;
-    const double cost = one.cost / base.cost;
-    const double error = one.error / base.error;
-    if (std::min(cost, error) < kWorth) changes.push_back({change[0].first, change[0].second, cost, error});
+    const double cost = factor(base.trade.cost, one.trade.cost);
+    const double error = factor(base.trade.error, one.trade.error);
+    if (std::min(cost, error) < 1.0) changes.push_back({change[0].first, change[0].second, cost, error});
   }
   return changes;
 }
 
 /// All that few of the changes make of the base, each knob turned once.
 std::vector<Candidate> grow(const Measured& base, const std::vector<Change>& changes) {
-  std::vector<Candidate> all = {{base.settings, base.cost, base.error, 0}};
+  std::vector<Candidate> all = {{base.settings, base.trade.cost.median, base.trade.error.median, 0}};
   std::size_t first = 0;
   for (int depth = 0; depth < kMostChanges; ++depth) {
     const std::size_t last = all.size();
@@ -118,7 +122,8 @@ Result<Plan> planSweep(bool quick, std::span<const std::string> only) {
 std::vector<Settings> worthCombining(std::span<const Measured> measured, std::size_t most) {
   std::vector<Candidate> expected;
   for (const Measured& base : measured) {
-    if (!turned(base.settings).empty() || !(base.cost > 0.0) || !(base.error > 0.0)) continue;
+    if (!turned(base.settings).empty() || !(base.trade.cost.median > 0.0) || !(base.trade.error.median > 0.0))
+      continue;
     const auto front = frontOf(grow(base, changesOf(base, measured)));
     expected.insert(expected.end(), front.begin(), front.end());
   }

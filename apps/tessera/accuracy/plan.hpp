@@ -32,12 +32,12 @@ Result<Plan> planSweep(bool quick, std::span<const std::string> only = {});
 /// A measured configuration: less is better in both.
 struct Measured {
   Settings settings;  // completed
-  double cost = 0.0;
-  double error = 0.0;
+  Tradeoff trade;
 };
 /// Up to `most` combinations of settings that were each measured alone in the same method: those on the front
 /// that is expected where each change multiplies cost and error as it did by itself, spread over the range of
-/// costs. Cheapest first, at most three changes each, without any that was measured.
+/// costs. What is within the spread counts as no change. Cheapest first, at most three changes each, without
+/// any that was measured.
 std::vector<Settings> worthCombining(std::span<const Measured> measured, std::size_t most);
 
 }  // namespace tessera::app

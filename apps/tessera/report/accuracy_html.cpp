@@ -36,12 +36,26 @@ Json pointData(const AccuracyPoint& point) {
           {"error", dataUri(point.pareto || point.smallError.empty() ? point.error : point.smallError)}};
 }
 
-Json knobData(const AccuracyKnob& knob) {
+/// Of a curve, whether each point can be told from the one before it, in cost or in error.
+Json toldOf(const AccuracyScene& scene, const AccuracyCurve& curve) {
+  Json told = Json::array();
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    // The first is told from the second.
+    const AccuracyPoint& point = scene.points[curve.points[i]];
+    const AccuracyPoint& other =
+        scene.points[curve.points[i > 0 ? i - 1 : std::min<std::size_t>(1, curve.points.size() - 1)]];
+    told.push_back(!(touch(point.ms, other.ms) && touch(point.dssim, other.dssim)));
+  }
+  return told;
+}
+
+Json knobData(const AccuracyScene& scene, const AccuracyKnob& knob) {
   Json curves = Json::array();
   for (const AccuracyCurve& curve : knob.curves)
     curves.push_back({{"with", curve.with},
                       {"values", curve.values},
                       {"points", curve.points},
+                      {"told", toldOf(scene, curve)},
                       {"standard", curve.standard}});
   return {{"label", knob.label}, {"sentence", knob.sentence}, {"curves", std::move(curves)}};
 }
@@ -201,7 +215,7 @@ std::string toHtml(const AccuracyReport& report) {
     Json points = Json::array();
     for (const AccuracyPoint& point : scene.points) points.push_back(pointData(point));
     Json knobs = Json::array();
-    for (const AccuracyKnob& knob : scene.knobs) knobs.push_back(knobData(knob));
+    for (const AccuracyKnob& knob : scene.knobs) knobs.push_back(knobData(scene, knob));
     scenes.push_back({{"file", scene.file},
                       {"width", scene.width},
                       {"height", scene.height},

@@ -10,16 +10,6 @@ namespace {
 
 constexpr double kLeastSpread = 0.01;  // of the median
 
-bool touch(const Spread& a, const Spread& b) {
-  const auto low = [](const Spread& s) {
-    return std::min(s.low, s.median - 0.5 * kLeastSpread * std::abs(s.median));
-  };
-  const auto high = [](const Spread& s) {
-    return std::max(s.high, s.median + 0.5 * kLeastSpread * std::abs(s.median));
-  };
-  return low(a) <= high(b) && low(b) <= high(a);
-}
-
 Tradeoff tradeoffOf(const AccuracyPoint& point) { return {point.ms, point.dssim}; }
 
 std::size_t alike(std::span<const AccuracyPoint> points, const AccuracyPoint& chosen) {
@@ -30,6 +20,16 @@ std::size_t alike(std::span<const AccuracyPoint> points, const AccuracyPoint& ch
 }
 
 }  // namespace
+
+bool touch(const Spread& a, const Spread& b) {
+  const auto low = [](const Spread& s) {
+    return std::min(s.low, s.median - 0.5 * kLeastSpread * std::abs(s.median));
+  };
+  const auto high = [](const Spread& s) {
+    return std::max(s.high, s.median + 0.5 * kLeastSpread * std::abs(s.median));
+  };
+  return low(a) <= high(b) && low(b) <= high(a);
+}
 
 Spread spreadOf(std::span<const double> samples) {
   std::vector<double> sorted;

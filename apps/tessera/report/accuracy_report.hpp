@@ -90,8 +90,10 @@ struct Tradeoff {
 /// The points that no other point beats by medians, rising in cost: none is both as cheap and as good, and
 /// better in one. Of equal ones the first. Points with a median that is not finite are on no front.
 std::vector<std::size_t> paretoFront(std::span<const Tradeoff> points);
-/// Whether the spreads of the two are apart in cost and in error. A spread counts as one percent of its
-/// median at least: a few runs can agree by chance.
+/// Whether two spreads overlap. A spread counts as one percent of its median at least: a few runs can agree
+/// by chance.
+bool touch(const Spread& a, const Spread& b);
+/// Whether the two are apart in cost and in error.
 bool apart(const Tradeoff& a, const Tradeoff& b);
 /// Of a front, which points can be told from the last before them that could: the cheapest always. What
 /// cannot may be the same trade, seen through noise.

@@ -8,9 +8,9 @@ const kCosts = {
   bytes: {text: 'GPU memory', unit: 'MiB', of: p => p.bytes > 0 ? p.bytes / 1048576 : null},
 };
 const kErrors = {
-  dssim: {text: 'DSSIM', of: p => p.dssim},
+  dssim: {text: 'DSSIM', of: p => Math.max(p.dssim, 1e-6)},  // the axis is logarithmic
   psnr: {text: 'PSNR, dB', of: p => p.psnr, reverse: true},
-  flip: {text: 'FLIP', of: p => p.flip},
+  flip: {text: 'FLIP', of: p => p.flip === null ? null : Math.max(p.flip, 1e-6)},
 };
 const kViews = {picture: 'image', error: 'error', reference: null};
 let drawnCharts = [];
@@ -23,6 +23,9 @@ const kSpreads = {
   beforeDatasetsDraw(chart) {
     const {ctx, scales: {x, y}} = chart;
     ctx.save();
+    ctx.beginPath();
+    ctx.rect(chart.chartArea.left, chart.chartArea.top, chart.chartArea.width, chart.chartArea.height);
+    ctx.clip();
     ctx.lineWidth = 1;
     for (const dataset of chart.data.datasets) {
       if (!dataset.spreads) continue;
@@ -223,21 +226,31 @@ class SceneView {
     options.scales.x.type = 'logarithmic';
     options.scales.x.title = {display: true, text: `${kCosts[this.cost].text} ${kCosts[this.cost].unit}`, color: soft};
     options.scales.y.title = {display: true, text: kErrors[this.error].text, color: soft};
-    options.scales.y.reverse = Boolean(kErrors[this.error].reverse);
-    options.scales.y.grace = '4%';
-    // A logarithmic axis has its ticks at round numbers; ends close to the dots leave no empty decades.
-    const low = Math.min(...costs);
-    const high = Math.max(...costs);
-    const room = Math.max(Math.pow(high / low, 0.05), 1.02);
-    options.scales.x.min = low / room;
-    options.scales.x.max = high * room;
-    options.scales.x.ticks.callback = value => kShort.format(+value.toPrecision(2));
-    options.scales.x.ticks.autoSkipPadding = 14;
-    options.scales.x.ticks.maxRotation = 0;
-    options.scales.x.afterBuildTicks = axis => {
-      axis.ticks = roundTicks(axis.min, axis.max).map(value => ({value}));
+    const scale = (axis, values, logarithmic) => {
+      // Ends close to the dots leave no empty decades; but what is alike is not to look different.
+      let low = Math.min(...values);
+      let high = Math.max(...values);
+      axis.ticks.autoSkipPadding = 14;
+      axis.ticks.maxRotation = 0;
+      if (logarithmic) {
+        axis.type = 'logarithmic';
+        const room = Math.max(Math.pow(high / low, 0.06), Math.sqrt(1.3 * low / high), 1.02);
+        axis.min = low / room;
+        axis.max = high * room;
+      } else {
+        const room = Math.max(0.06 * (high - low), 0.5 * (1 - (high - low)));
+        axis.min = low - room;
+        axis.max = high + room;
+      }
+      axis.ticks.callback = value => kShort.format(+value.toPrecision(3));
+      if (logarithmic)
+        axis.afterBuildTicks = built => {
+          built.ticks = roundTicks(built.min, built.max).map(value => ({value}));
+        };
     };
-    options.scales.y.ticks.callback = value => kShort.format(value);
+    scale(options.scales.x, costs, true);
+    scale(options.scales.y, errors, !kErrors[this.error].reverse);
+    options.scales.y.reverse = Boolean(kErrors[this.error].reverse);
     options.plugins.tooltip.callbacks.title = () => '';
     options.onHover = (event, items, chart) => {
       event.native.target.style.cursor = items.length > 0 ? 'pointer' : 'default';
@@ -262,7 +275,7 @@ class SceneView {
     this.counted.textContent =
         `${front.length} of ${points.length} on the front, ${front.filter(({told}) => told).length} of them distinguishable`;
     const all = points.map((point, index) => this.at(index)).filter(({x, y}) => x !== null && y !== null);
-    const options = this.options(all.map(({x}) => x));
+    const options = this.options(all.map(({x}) => x), all.map(({y}) => y));
     options.plugins.tooltip.callbacks.label = item => ` ${item.raw.point.name}`;
     const accent = themeColour('--accent');
     const methods = [...new Set(points.map(methodOf))];
@@ -332,11 +345,12 @@ class SceneView {
   knobChart(parent, knob) {
     const curves = knob.curves.map(curve => ({
       ...curve,
-      data: curve.points.map((index, i) => ({...this.at(index), value: curve.values[i]}))
+      data: curve.points.map((index, i) => ({...this.at(index), value: curve.values[i], told: curve.told[i]}))
                 .filter(({x, y}) => x !== null && y !== null),
     })).filter(curve => curve.data.length > 0);
     if (curves.length === 0) return null;
-    const options = this.options(curves.flatMap(({data}) => data.map(({x}) => x)));
+    const dots = curves.flatMap(({data}) => data);
+    const options = this.options(dots.map(({x}) => x), dots.map(({y}) => y));
     options.plugins.legend.display = curves.length > 1;
     options.plugins.tooltip.callbacks.label = item =>
         ` ${item.dataset.label}, ${item.raw.value}: ${kLong.format(+item.raw.x.toPrecision(4))}, ${
@@ -350,7 +364,10 @@ class SceneView {
       spreads: [this.cost, this.error],
       spreadColour: themeColour(`--c${i + 1}`),
       borderColor: themeColour(`--c${i + 1}`) + '70',
-      backgroundColor: themeColour(`--c${i + 1}`),
+      // A line between words would say that they have an order.
+      showLine: curve.values.every(value => !isNaN(value)),
+      backgroundColor: curve.data.map(({told}) => told ? themeColour(`--c${i + 1}`) : themeColour('--card')),
+      pointBorderColor: themeColour(`--c${i + 1}`),
       borderWidth: 1.5,
       pointRadius: curve.data.map(({value}) => value === curve.standard ? 6 : 3.5),
       pointHoverRadius: 8,

@@ -150,7 +150,8 @@ class SceneStudy {
       const Knob& knob = knobs()[planned.knob];
       if (scene_.knobs.empty() || scene_.knobs.back().name != knob.name)
         scene_.knobs.push_back({knob.name, knob.label, knob.sentence, {}});
-      AccuracyCurve curve{nameOf(planned.with), {}, {}, planned.values[planned.standard]};
+      AccuracyCurve curve{
+          planned.knob == 0 ? std::string() : nameOf(planned.with), {}, {}, planned.values[planned.standard]};
       for (std::size_t v = 0; v < planned.points.size(); ++v) {
         if (failed_[planned.points[v]]) continue;
         curve.values.push_back(planned.values[v]);
@@ -258,7 +259,7 @@ Run addAccuracy(CLI::App& app) {
   command.add_option("-o,--output", options->output, "folder for the report")->required();
   command.add_flag(
       "--quick", options->quick,
-      "minutes instead of an hour: fewer knobs and values, and unless given 480x270, 2 places, 3 "
+      "minutes instead of an hour: fewer knobs and values, and unless given 480x270, 3 places, 3 "
       "repeats and 10 combinations");
   auto* places =
       command
@@ -294,7 +295,7 @@ Run addAccuracy(CLI::App& app) {
   return [=](const std::string& line) {
     if (options->quick) {
       if (size->count() == 0) options->size.text = "480x270";
-      if (places->count() == 0) options->places = 2;
+      if (places->count() == 0) options->places = 3;
       if (repeats->count() == 0) options->repeats = 3;
       if (combinations->count() == 0) options->combinations = 10;
     }

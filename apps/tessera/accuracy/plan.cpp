@@ -8,6 +8,7 @@ namespace tessera::app {
 namespace {
 
 constexpr int kMostChanges = 3;
+constexpr double kFarthest = 1.2;  // behind another configuration in cost and in error, to be measured at all
 
 /// What turning one knob does to a method.
 struct Change {
@@ -32,15 +33,6 @@ Settings turned(const Settings& settings) {
     if (knob.name != "method" && value != knob.standard) changes.emplace_back(knob.name, value);
   }
   return changes;
-}
-
-std::vector<Candidate> frontOf(std::vector<Candidate> all) {
-  std::vector<Tradeoff> trades;
-  for (const Candidate& candidate : all)
-    trades.push_back({exactly(candidate.cost), exactly(candidate.error)});
-  std::vector<Candidate> front;
-  for (const std::size_t i : paretoFront(trades)) front.push_back(std::move(all[i]));
-  return front;
 }
 
 /// 1 where the two cannot be told apart.
@@ -121,23 +113,38 @@ Result<Plan> planSweep(bool quick, std::span<const std::string> only) {
 
 std::vector<Settings> worthCombining(std::span<const Measured> measured, std::size_t most) {
   std::vector<Candidate> expected;
+  std::vector<Candidate> taken;  // what there is, and what is chosen
+  for (const Measured& one : measured)
+    taken.push_back({one.settings, one.trade.cost.median, one.trade.error.median, 0});
   for (const Measured& base : measured) {
     if (!turned(base.settings).empty() || !(base.trade.cost.median > 0.0) || !(base.trade.error.median > 0.0))
       continue;
-    const auto front = frontOf(grow(base, changesOf(base, measured)));
-    expected.insert(expected.end(), front.begin(), front.end());
+    for (Candidate& candidate : grow(base, changesOf(base, measured))) {
+      const auto same = [&](const Measured& m) { return m.settings == candidate.settings; };
+      if (candidate.changes > 1 && std::none_of(measured.begin(), measured.end(), same))
+        expected.push_back(std::move(candidate));
+    }
   }
-  std::vector<Candidate> fresh;
-  for (const Candidate& candidate : frontOf(std::move(expected))) {
-    const auto same = [&](const Measured& m) { return m.settings == candidate.settings; };
-    if (candidate.changes > 1 && std::none_of(measured.begin(), measured.end(), same))
-      fresh.push_back(candidate);
+  std::vector<double> reach(expected.size(), 0.0);
+  const auto account = [&](const Candidate& other) {
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      reach[i] = std::max(reach[i], std::min(expected[i].cost / other.cost, expected[i].error / other.error));
+  };
+  for (const Candidate& candidate : taken) account(candidate);
+  std::vector<Candidate> chosen;
+  while (chosen.size() < most && !expected.empty()) {
+    const auto best = std::min_element(reach.begin(), reach.end()) - reach.begin();
+    if (!(reach[static_cast<std::size_t>(best)] < kFarthest)) break;
+    chosen.push_back(expected[static_cast<std::size_t>(best)]);
+    // The one that is chosen is in its own way from here on, and in that of those like it.
+    account(chosen.back());
+    reach[static_cast<std::size_t>(best)] = kFarthest;
   }
-  std::vector<Settings> chosen;
-  const std::size_t count = std::min(most, fresh.size());
-  for (std::size_t i = 0; i < count; ++i)
-    chosen.push_back(fresh[count == 1 ? 0 : i * (fresh.size() - 1) / (count - 1)].settings);
-  return chosen;
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  std::vector<Settings> settings;
+  for (Candidate& candidate : chosen) settings.push_back(std::move(candidate.settings));
+  return settings;
 }
 
 }  // namespace tessera::app

@@ -34,10 +34,10 @@ struct Measured {
   Settings settings;  // completed
   Tradeoff trade;
 };
-/// Up to `most` combinations of settings that were each measured alone in the same method: those on the front
-/// that is expected where each change multiplies cost and error as it did by itself, spread over the range of
-/// costs. What is within the spread counts as no change. Cheapest first, at most three changes each, without
-/// any that was measured.
+/// Up to `most` combinations of settings that were each measured alone in the same method, expecting that
+/// each change multiplies cost and error as it did by itself; what is within the spread counts as no change.
+/// One after another those that get farthest beyond all that is measured or chosen, or stay least behind it.
+/// At most three changes each; cheapest first.
 std::vector<Settings> worthCombining(std::span<const Measured> measured, std::size_t most);
 
 }  // namespace tessera::app

@@ -154,11 +154,11 @@ std::string answersTable(const AccuracyScene& scene, bool budgets) {
     return budgets ? point.ms.median : point.dssim.median;
   };
   std::vector<double> asked;
-  constexpr int kRows = 7;
+  constexpr int kRows = 10;
   const double first = value(budgets ? *front.front() : *front.back());
-  const double last = value(budgets ? *front.back() : *front.front());
+  const double end = value(budgets ? *front.back() : *front.front());
   for (int i = 0; i < kRows; ++i) {
-    const double exact = first * std::pow(last / first, i / (kRows - 1.0));
+    const double exact = first * std::pow(end / first, i / (kRows - 1.0));
     // Two digits, upwards: the first and the last configuration are among the answers.
     const double unit = std::pow(10.0, std::floor(std::log10(exact)) - 1.0);
     const double round = std::ceil(exact / unit - 1e-9) * unit;
@@ -170,10 +170,12 @@ std::string answersTable(const AccuracyScene& scene, bool budgets) {
       "scope=\"col\">ms</th><th scope=\"col\">DSSIM</th><th scope=\"col\">PSNR, "
       "dB</th></tr></thead><tbody>\n",
       budgets ? "I have, ms" : "I need, DSSIM");
+  const AccuracyPoint* last = nullptr;
   for (const double limit : asked) {
     const auto choice = budgets ? bestWithin(scene.points, limit) : cheapestFor(scene.points, limit);
-    if (!choice) continue;
+    if (!choice || choice->point == last) continue;
     const AccuracyPoint& point = *choice->point;
+    last = choice->point;
     out += fmt::format(
         "<tr data-point=\"{}\" tabindex=\"0\"><td>{:.3g}</td><th "
         "scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td>"

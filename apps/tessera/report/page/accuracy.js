@@ -288,8 +288,8 @@ class SceneView {
       spreads: [this.cost, this.error],
       spreadColour: accent,
       borderColor: accent,
-      backgroundColor: front.map(({told}) => told ? accent : themeColour('--card')),
-      pointBorderColor: accent,
+      backgroundColor: front.map(({index, told}) => told ? colour(methodOf(points[index])) : themeColour('--card')),
+      pointBorderColor: front.map(({index}) => colour(methodOf(points[index]))),
       borderWidth: 1.5,
       stepped: 'before',
       pointRadius: front.map(({told}) => told ? 5.5 : 4.5),
@@ -353,9 +353,9 @@ class SceneView {
     const options = this.options(dots.map(({x}) => x), dots.map(({y}) => y));
     options.plugins.legend.display = curves.length > 1;
     options.plugins.tooltip.callbacks.label = item =>
-        ` ${item.dataset.label}, ${item.raw.value}: ${kLong.format(+item.raw.x.toPrecision(4))}, ${
+        ` ${item.dataset.label ? item.dataset.label + ', ' : ''}${item.raw.value}: ${kLong.format(+item.raw.x.toPrecision(4))}, ${
             kLong.format(+item.raw.y.toPrecision(4))}`;
-    const {plot, canvas} = chartBox(parent, knob.label, curves.length > 1 ? '' : `in ${curves[0].with}`);
+    const {plot, canvas} = chartBox(parent, knob.label, curves.length > 1 || !curves[0].with ? '' : `in ${curves[0].with}`);
     plot.before(element('p', 'sentence', knob.sentence));
     const datasets = curves.map((curve, i) => ({
       label: curve.with,

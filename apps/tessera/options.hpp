@@ -36,6 +36,8 @@ struct StageChoice {
 };
 /// Values of AtlasChoice::gather.
 const std::vector<std::string>& gatherNames();
+/// Values of AtlasChoice::format.
+const std::vector<std::string>& atlasFormatNames();
 
 /// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or Texel
 /// Shading.

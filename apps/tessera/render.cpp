@@ -29,6 +29,7 @@ struct RenderOptions {
   SpatialChoice spatial;
   StudyChoice study;
   int shadowSize = EngineOptions().shadowSize;
+  bool shadowFilter = EngineOptions().shadowFilter;
 };
 
 const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
@@ -97,6 +98,7 @@ Result<RenderOptions> withStudy(const RenderOptions& options) {
   chosenOptions.method = method.name + (method.kind == Kind::RectDeferred ? "-deferred" : "");
   if (method.usesAtlas()) chosenOptions.atlas = method.atlas;
   chosenOptions.shadowSize = chosen->configuration.shadowSize;
+  chosenOptions.shadowFilter = chosen->configuration.shadowFilter;
   fmt::print("{}\n", chosen->reason);
   return chosenOptions;
 }
@@ -181,6 +183,7 @@ Result<void> render(const RenderOptions& asked) {
 
   engineSetup->request = requestOf(options);
   engineSetup->shadowSize = options.shadowSize;
+  engineSetup->shadowFilter = options.shadowFilter;
   engineSetup->timePasses = !options.stats.empty();
   engineSetup->countFragments = !options.stats.empty();
   engineSetup->progress = step;

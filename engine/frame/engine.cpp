@@ -222,6 +222,11 @@ Result<void> Engine::setShadowSize(int texels) {
   return {};
 }
 
+void Engine::setShadowFilter(bool filter) {
+  s_->options.shadowFilter = filter;
+  if (s_->shadowMap) s_->filterShadowMap();
+}
+
 Result<void> Engine::setSpawn(const TessSpawn& spawn) {
   State& s = *s_;
   if (auto good = check(spawn); !good || !s.tess) return good;

@@ -185,6 +185,7 @@ struct Engine::State {
   void drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program, bool cull, int layer);
   /// A layer for each that the lights ask for, of the options' size; all are drawn at the next drawShadows().
   void makeShadowMap();
+  void filterShadowMap();
   void drawShadows();
   void drawTransparent(const View& view, const char* passName, const gl::Texture& depth);
 };

@@ -111,11 +111,16 @@ void Engine::State::drawDepthList(const DrawList& list, const gl::Program* Batch
   }
 }
 
+void Engine::State::filterShadowMap() {
+  const GLint filter = options.shadowFilter ? GL_LINEAR : GL_NEAREST;
+  shadowMap.filter(filter, filter);
+}
+
 void Engine::State::makeShadowMap() {
   const int size = options.shadowSize;
   shadowFramebuffers.clear();
   shadowMap = gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(lights.layers.size()));
-  shadowMap.filter(GL_LINEAR, GL_LINEAR);
+  filterShadowMap();
   shadowMap.wrap(GL_CLAMP_TO_EDGE);
   shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);

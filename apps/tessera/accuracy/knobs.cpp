@@ -160,17 +160,32 @@ std::vector<Knob> makeKnobs() {
        .apply = oneOf({"geometry", "deferred"}, [](Configuration& c, std::size_t i) {
          c.method.kind = i == 0 ? Kind::Rect : Kind::RectDeferred;
        })});
+  add({.name = "shadow-filter",
+       .label = "Shadow filter",
+       .sentence =
+           "linear blends the four nearest texels of the shadow map; nearest takes one, and shows its edges.",
+       .values = {"nearest", "linear"},
+       .quickValues = {"nearest", "linear"},
+       .standard = "linear",
+       .curves = {with("rect"), with("forward")},
+       .heeded = [](const Configuration&) { return true; },
+       .apply =
+           oneOf({"nearest", "linear"}, [](Configuration& c, std::size_t i) { c.shadowFilter = i == 1; })});
   add({.name = "format",
        .label = "Atlas format",
-       .sentence = "srgb8 holds display-encoded bytes; rgba16f linear half floats, in twice the memory.",
-       .values = {"srgb8", "rgba16f"},
-       .quickValues = {"srgb8", "rgba16f"},
+       .sentence =
+           "srgb8 holds display-encoded bytes; the others hold linear light: 10 bits, small floats, and half "
+           "floats in twice the memory.",
+       .values = atlasFormatNames(),
+       .quickValues = atlasFormatNames(),
        .standard = "srgb8",
-       .curves = {with("rect"), with("texel")},
+       .curves = {with("rect"), with("texel"), with("tess")},
        .heeded = usesAtlas,
-       .apply = oneOf({"srgb8", "rgba16f"}, [](Configuration& c, std::size_t i) {
-         c.method.atlas.format = i == 0 ? "srgb8" : "rgba16f";
-       })});
+       .apply = [](Configuration& c, std::string_view value) -> Result<void> {
+         if (auto known = indexIn(atlasFormatNames(), value); !known) return tl::unexpected(known.error());
+         c.method.atlas.format = value;
+         return {};
+       }});
   add({.name = "slanted",
        .label = "Slantedness threshold",
        .sentence = "Triangles whose longest edge is so many times their height or more are oversampled, the "

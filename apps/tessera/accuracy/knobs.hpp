@@ -17,6 +17,7 @@ namespace tessera::app {
 struct Configuration {
   Method method;
   int shadowSize = EngineOptions().shadowSize;
+  bool shadowFilter = EngineOptions().shadowFilter;
 
   [[nodiscard]] bool isForward() const { return !method.usesAtlas(); }
   [[nodiscard]] bool isSampledBy(Sampling sampling) const {

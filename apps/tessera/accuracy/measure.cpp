@@ -101,6 +101,7 @@ Result<RunResult> Measuring::run(const Configuration& configuration, bool thorou
   if (!engine) return tl::unexpected(engine.error());
   if (auto sized = (*engine)->setShadowSize(configuration.shadowSize); !sized)
     return tl::unexpected(sized.error());
+  (*engine)->setShadowFilter(configuration.shadowFilter);
   if (auto made = useAtlas(**engine, configuration.method); !made) return tl::unexpected(made.error());
   const std::vector<TimedView>& views = scene_->views;
   for (int i = 0; i < options_.warmup; ++i)

@@ -18,7 +18,9 @@ namespace tessera {
 
 enum class AtlasFormat : std::uint8_t {
   Srgb8,   // display-encoded 8 bits a channel: what a video codec takes
-  Rgba16f  // linear half floats: nothing is lost, and a value that is not finite can be found
+  Rgba16f,    // linear half floats: nothing is lost, and a value that is not finite can be found
+  Rgb10a2,    // linear 10 bits a channel: dark colours have fewer steps than encoded 8 bits
+  R11g11b10f  // linear floats with 6, 6 and 5 bits of mantissa: half of Rgba16f's memory
 };
 
 /// The texture that a gatherer fills.

@@ -18,5 +18,6 @@ Run addCompare(CLI::App& app);
 Run addAtlasBench(CLI::App& app);
 /// `ending` becomes Exit::Failed where a case does not hold.
 Run addStability(CLI::App& app, Exit& ending);
+Run addAccuracy(CLI::App& app);
 
 }  // namespace tessera::app

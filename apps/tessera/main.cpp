@@ -23,6 +23,7 @@ int run(int argc, char** argv) {
       {"compare", tessera::app::addCompare(app)},
       {"atlas-bench", tessera::app::addAtlasBench(app)},
       {"stability", tessera::app::addStability(app, ending)},
+      {"accuracy", tessera::app::addAccuracy(app)},
   };
   try {
     app.parse(argc, argv);

@@ -1,10 +1,13 @@
 #include "apps/tessera/options.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+
+#include <fmt/ranges.h>
 
 namespace tessera::app {
 
@@ -102,9 +105,10 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       .add_option("--slanted", choice.slanted,
                   "longest edge to height beyond which a triangle is oversampled by method tess")
       ->check(CLI::Range(1.0, 1e6));
-  command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
-      ->check(CLI::IsMember({"srgb8", "rgba16f"}))
+  command.add_option("--atlas-format", choice.format, "srgb8, rgb10a2, r11g11b10f or rgba16f")
+      ->check(CLI::IsMember(atlasFormatNames()))
       ->capture_default_str();
+  command.add_flag("!--no-pairs", choice.pairs, "each triangle is a patch of its own");
   command
       .add_option("--split-edges", choice.splitEdges,
                   "split edges longer than this share of the scene's diagonal; 0: never")
@@ -217,11 +221,22 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   texel.pressureBias = memory.pressureBias;
   if (choice.sampling != Sampling::Rect)
     options.gatherer = choice.sampling == Sampling::Texel ? GathererKind::Texel : GathererKind::Tess;
-  options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
+  constexpr std::array kFormats = {AtlasFormat::Srgb8, AtlasFormat::Rgb10a2, AtlasFormat::R11g11b10f,
+                                   AtlasFormat::Rgba16f};
+  const auto& formats = atlasFormatNames();
+  const auto format = std::find(formats.begin(), formats.end(), choice.format);
+  if (format == formats.end()) return fail("atlas format {}: not one of {}", choice.format, fmt::join(formats, ", "));
+  options.atlas.format = kFormats.at(static_cast<std::size_t>(format - formats.begin()));
   options.tess.format = options.atlas.format;
   texel.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
+  options.patches = {.pair = choice.pairs, .triple = choice.pairs};
   return options;
+}
+
+const std::vector<std::string>& atlasFormatNames() {
+  static const std::vector<std::string> names = {"srgb8", "rgb10a2", "r11g11b10f", "rgba16f"};
+  return names;
 }
 
 const std::vector<std::string>& gatherNames() {

@@ -106,7 +106,7 @@ void Engine::display(const View& view, DisplayMode mode) {
   const float texelX = 1.0f / static_cast<float>(atlas.texture.width());
   const float texelY = 1.0f / static_cast<float>(atlas.texture.height());
   atlas.display().bind(UNIT_ATLAS);
-  const bool linear = atlas.format == AtlasFormat::Rgba16f;
+  const bool linear = atlas.format != AtlasFormat::Srgb8;
 
   // Of the two forms the plan may have only one; that one draws, whichever was asked for.
   const bool planned =

@@ -61,7 +61,9 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
 
 std::uint64_t Engine::nonFiniteTexels() const {
   const Gatherer* gatherer = s_->gatherer();
-  if (gatherer == nullptr || gatherer->atlas().format != AtlasFormat::Rgba16f) return 0;
+  if (gatherer == nullptr) return 0;
+  const AtlasFormat format = gatherer->atlas().format;
+  if (format != AtlasFormat::Rgba16f && format != AtlasFormat::R11g11b10f) return 0;
   const auto guard = s_->guard();
   const auto bytes = gl::readTexture(gatherer->atlas().texture, GL_RGBA, GL_FLOAT, 4 * sizeof(float));
   std::uint64_t bad = 0;

@@ -42,6 +42,11 @@ Result<void> checkLights(const Scene& scene, const Stage* stage) {
   return {};
 }
 
+Result<void> checkShadowSize(int texels) {
+  if (texels < 64 || texels > 8192) return fail("shadow size {} is outside [64, 8192]", texels);
+  return {};
+}
+
 }  // namespace
 
 Engine::Engine() = default;
@@ -49,8 +54,7 @@ Engine::~Engine() = default;
 
 Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene, std::optional<Stage> stage,
                                                const EngineOptions& options) {
-  if (options.shadowSize < 64 || options.shadowSize > 8192)
-    return fail("shadow size {} is outside [64, 8192]", options.shadowSize);
+  if (auto good = checkShadowSize(options.shadowSize); !good) return tl::unexpected(good.error());
   if (!(options.splitEdges >= 0.0 && options.splitEdges <= 1.0))
     return fail("edge split share {} is outside [0, 1]", options.splitEdges);
   const auto say = [&](const char* step) {
@@ -189,21 +193,8 @@ void Engine::update(double time) {
     if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
   }
   s.writeLights();
+  if (s.features.shadows && s.shadowMap.width() != s.options.shadowSize) s.makeShadowMap();
   const Stage* stage = s.stage ? &*s.stage : nullptr;
-  if (first) {
-    if (s.features.shadows) {
-      const int size = s.options.shadowSize;
-      s.shadowMap =
-          gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(s.lights.layers.size()));
-      s.shadowMap.filter(GL_LINEAR, GL_LINEAR);
-      s.shadowMap.wrap(GL_CLAMP_TO_EDGE);
-      s.shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-      s.shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-      for (std::size_t i = 0; i < s.lights.layers.size(); ++i)
-        s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
-                                          static_cast<int>(i));
-    }
-  }
   // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
   constexpr float kAmbientAlone = 0.8f;
   const Ambient unlitScene{glm::vec3(kAmbientAlone), glm::vec3(kAmbientAlone)};
@@ -228,6 +219,15 @@ Result<void> Engine::remakeAtlas(const RectMemoryOptions& memory) {
   return s_->makeGatherer(options);
 }
 
+Result<void> Engine::remakeAtlas(const RectAtlasOptions& rect) {
+  EngineOptions options = s_->options;
+  options.gatherer = GathererKind::Rect;
+  options.atlas = rect;
+  if (s_->gatherer() == nullptr) return {};
+  const auto guard = s_->guard();
+  return s_->makeGatherer(options);
+}
+
 Result<void> Engine::remakeAtlas(const TessAtlasOptions& tess) {
   EngineOptions options = s_->options;
   options.gatherer = GathererKind::Tess;
@@ -244,6 +244,17 @@ Result<void> Engine::remakeAtlas(const TexelAtlasOptions& texel) {
   if (s_->gatherer() == nullptr) return {};
   const auto guard = s_->guard();
   return s_->makeGatherer(options);
+}
+
+Result<void> Engine::setShadowSize(int texels) {
+  if (auto good = checkShadowSize(texels); !good) return good;
+  s_->options.shadowSize = texels;
+  return {};
+}
+
+void Engine::setShadowFilter(bool filter) {
+  s_->options.shadowFilter = filter;
+  if (s_->shadowMap) s_->filterShadowMap();
 }
 
 Result<void> Engine::setSpawn(const TessSpawn& spawn) {

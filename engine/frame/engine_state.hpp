@@ -194,6 +194,9 @@ struct Engine::State {
   /// Draws all of a list with depth-only or id programs, material by material only where the alpha test needs
   /// it.
   void drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program, bool cull, int layer);
+  /// A layer for each that the lights ask for, of the options' size; all are drawn at the next drawShadows().
+  void makeShadowMap();
+  void filterShadowMap();
   void drawShadows();
   void drawTransparent(const View& view, const char* passName, const gl::Texture& depth);
 };

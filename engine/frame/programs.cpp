@@ -99,7 +99,7 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
     gl::Defines defines;
     if (triangles) defines = TessAtlas::displayDefines(wanted.tess);
     // The image is written as it is: a linear atlas must be encoded in the shader.
-    if (format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
+    if (format != AtlasFormat::Srgb8) defines["LINEAR_ATLAS"] = "1";
     if (triangles) defines.emplace("TRIANGLES", "1");
     if (charts) defines.emplace("CHARTS", "1");
     auto program = programs.get({"pass/display_deferred.comp"}, defines);

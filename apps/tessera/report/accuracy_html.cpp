@@ -177,7 +177,7 @@ std::string answersTable(const AccuracyScene& scene, bool budgets) {
     const AccuracyPoint& point = *choice->point;
     last = choice->point;
     out += fmt::format(
-        "<tr data-point=\"{}\" tabindex=\"0\"><td>{:.3g}</td><th "
+        "<tr data-point=\"{}\" tabindex=\"0\"><td>{:.4g}</td><th "
         "scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td>"
         "</tr>\n",
         choice->point - scene.points.data(), limit, escapeHtml(point.name), formatDuration(point.ms.median),

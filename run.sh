@@ -90,7 +90,7 @@ case "$command" in
     build_all
     say "running the tests"
     hint="run one again with: ctest --test-dir $build -R NAME --output-on-failure"
-    ctest --test-dir "$build" --output-on-failure --no-tests=error "$@"
+    ctest --test-dir "$build" --parallel "$(nproc)" --output-on-failure --no-tests=error "$@"
     ;;
   fuzz)
     seconds=60

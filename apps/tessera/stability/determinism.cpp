@@ -83,10 +83,10 @@ void addDeterminismCases(Cases& cases) {
     cases.push_back(
         {std::string("determinism/") + nameOf(method) + "-picture",
          atlas
-             ? "two runs of the same frames; atomics may put blocks elsewhere, which changes a filter's last "
-               "bit: the pictures"
+             ? "two runs of the same frames; atomics may put blocks elsewhere, which changes the last bit of "
+               "what a texel stores and of what filters it: the pictures"
              : "two runs of the same frames: the pictures, to the bit",
-         "of 255", atlas ? 1.0 : 0.0, Sense::AtMost,
+         "of 255", atlas ? kLastBits : 0.0, Sense::AtMost,
          [done, method](Bench& bench) { return differences(bench, done, method, true); }});
     if (!atlas) continue;
     cases.push_back({std::string("determinism/") + nameOf(method) + "-figures",

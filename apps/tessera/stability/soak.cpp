@@ -98,15 +98,14 @@ Case soakCase(const Done& done, Method method, const char* what, const char* why
 
 void addSoakCases(Cases& cases) {
   const auto done = std::make_shared<std::map<Method, Soaked>>();
-  // Where atomics put a block changes its coordinates, and with them the last bit of what filters it.
   for (const Method method : kMethods)
     cases.push_back(
         soakCase(done, method, "-returns",
                  method == Method::Forward
                      ? "10,000 frames of a slow camera (60 without --long): back at the start the picture is "
                        "what it was, to the bit"
-                     : "the same with an atlas: blocks lie elsewhere, which may change a filter's last bit",
-                 "of 255", method == Method::Forward ? 0.0 : 1.0, &Soaked::different));
+                     : "the same with an atlas: blocks lie elsewhere, which may change last bits",
+                 "of 255", method == Method::Forward ? 0.0 : kLastBits, &Soaked::different));
   for (const Method method : {Method::Rect, Method::Tess, Method::Texel})
     cases.push_back(soakCase(done, method, "-samples",
                              "the same way: the samples placed at the start are as many after it", "samples",

@@ -9,8 +9,9 @@
 
 namespace tessera::stability {
 
-/// How far two pictures of equal atlases may be apart, of 255: where atomics put a block changes its coordinates, and with
-/// them the last bit of what a texel interpolates and stores (1), and of the filter's weights (1).
+/// How far two pictures of equal atlases may be apart, of 255: where atomics put a block changes its
+/// coordinates, and with them the last bit of what a texel interpolates and stores (1), and of the filter's
+/// weights (1).
 constexpr double kLastBits = 2.0;
 
 /// A textured, lit room whose triangles are of all sizes.

@@ -2,6 +2,8 @@
 # One command for each thing a newcomer wants. Every command does all the set-up it needs on a fresh Debian 12.
 #   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
 #   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
+#   ./run.sh test --sanitize   the CPU tests under AddressSanitizer and UndefinedBehaviorSanitizer, in a build of their own
+#   ./run.sh fuzz --seconds N  scene and JSON loading under a fuzzer (installs clang), N seconds each
 #   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
 #   ./run.sh build             set up and build
 #   ./run.sh tessera ARGS...   run the program
@@ -10,6 +12,8 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 cd "$root"
 build=build/release
+preset=release
+targets=(all)
 
 packages=(
   g++ cmake ninja-build ccache git python3 python3-glad
@@ -56,12 +60,12 @@ build_all() {
   if [ ! -f "$build/build.ninja" ]; then
     say "configuring"
     hint="delete $build and try again"
-    quietly cmake --preset release
+    quietly cmake --preset $preset
   fi
   say "building"
   hint="the first error above is the one to look at"
   # ninja prints counted steps, and rewrites one line on a terminal.
-  cmake --build --preset release >&2
+  cmake --build --preset "$preset" --target "${targets[@]}" >&2
   hint=""
 }
 
@@ -72,10 +76,42 @@ case "$command" in
     build_all
     ;;
   test)
+    if [ "${1:-}" = --sanitize ]; then
+      shift
+      build=build/asan
+      preset=asan
+      build_all
+      say "running the CPU tests under sanitizers"
+      hint="run one again with: ctest --test-dir $build -R NAME --output-on-failure"
+      ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 \
+        ctest --test-dir "$build" -L cpu --output-on-failure --no-tests=error "$@"
+      exit 0
+    fi
     build_all
     say "running the tests"
     hint="run one again with: ctest --test-dir $build -R NAME --output-on-failure"
-    ctest --test-dir "$build" --output-on-failure --no-tests=error "$@"
+    ctest --test-dir "$build" --parallel "$(nproc)" --output-on-failure --no-tests=error "$@"
+    ;;
+  fuzz)
+    seconds=60
+    if [ "${1:-}" = --seconds ]; then seconds=${2:-}; fi
+    step="reading the arguments"
+    hint="./run.sh fuzz [--seconds N], N a whole number above 0"
+    [[ "$seconds" =~ ^[1-9][0-9]*$ ]] || { printf 'run.sh fuzz: --seconds %s is not a whole number above 0\n' "$seconds" >&2; exit 2; }
+    install_packages "${packages[@]}" clang
+    build=build/fuzz
+    preset=fuzz
+    targets=(fuzz_scene fuzz_json)
+    build_all
+    for target in "${targets[@]}"; do
+      say "$target for $seconds s"
+      hint="the input that failed is in $build/found; run it again with: $build/tests/fuzz/$target FILE"
+      # What is found goes beside the build; the committed corpus stays small.
+      mkdir -p "$build/corpus/$target" "$build/found"
+      "$build/tests/fuzz/$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=65536 \
+        -artifact_prefix="$build/found/$target-" -print_final_stats=1 -verbosity=0 \
+        "$build/corpus/$target" "tests/fuzz/corpus/${target#fuzz_}"
+    done
     ;;
   soak)
     build_all
@@ -105,7 +141,7 @@ case "$command" in
     git ls-files 'engine/*.cpp' 'atlas/*.cpp' 'apps/*.cpp' ':!engine/scene/gltf_tinygltf.cpp' | xargs -P 2 -n 4 clang-tidy -p "$build" --quiet
     ;;
   help | -h | --help)
-    sed -n '2,8p' "$root/run.sh" | sed 's/^# \{0,1\}//'
+    sed -n '2,10p' "$root/run.sh" | sed 's/^# \{0,1\}//'
     ;;
   *)
     hint="./run.sh help lists the commands"

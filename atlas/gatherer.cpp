@@ -4,6 +4,23 @@
 
 namespace tessera {
 
+namespace {
+
+GLenum glFormatOf(AtlasFormat format) {
+  switch (format) {
+    case AtlasFormat::Rgba16f:
+      return GL_RGBA16F;
+    case AtlasFormat::Rgb10a2:
+      return GL_RGB10_A2;
+    case AtlasFormat::R11g11b10f:
+      return GL_R11F_G11F_B10F;
+    default:
+      return GL_SRGB8_ALPHA8;
+  }
+}
+
+}  // namespace
+
 Result<AtlasTexture> AtlasTexture::create(int width, int height, AtlasFormat format) {
   GLint largest = 0;
   gl::api().GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
@@ -12,7 +29,7 @@ Result<AtlasTexture> AtlasTexture::create(int width, int height, AtlasFormat for
                 width, height, largest);
   AtlasTexture atlas;
   atlas.format = format;
-  atlas.texture = gl::Texture(format == AtlasFormat::Srgb8 ? GL_SRGB8_ALPHA8 : GL_RGBA16F, width, height);
+  atlas.texture = gl::Texture(glFormatOf(format), width, height);
   if (format == AtlasFormat::Srgb8) atlas.encoded = atlas.texture.view(GL_RGBA8);
   for (gl::Texture* texture : {&atlas.texture, &atlas.encoded}) {
     if (!*texture) continue;

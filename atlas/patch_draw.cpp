@@ -52,8 +52,7 @@ void PatchDraw::emit(const gl::Program& program, const VisibleSet& visible) cons
   gl::api().CopyNamedBufferSubData(emptyCommands_.get(), commands_.get(), 0, 0,
                                    static_cast<GLsizeiptr>(commands_.size()));
   program.use();
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, visible.dispatch().get());
-  gl::api().DispatchComputeIndirect(0);
+  gl::dispatchIndirect(visible.dispatch());
 }
 
 void PatchDraw::bind() const {

@@ -16,5 +16,8 @@ Run addRender(CLI::App& app);
 Run addInfo(CLI::App& app);
 Run addCompare(CLI::App& app);
 Run addAtlasBench(CLI::App& app);
+/// `ending` becomes Exit::Failed where a case does not hold.
+Run addStability(CLI::App& app, Exit& ending);
+Run addAccuracy(CLI::App& app);
 
 }  // namespace tessera::app

@@ -16,11 +16,14 @@ int run(int argc, char** argv) {
       "it.");
   app.name("tessera");
   app.require_subcommand(1);
+  Exit ending = Exit::Ok;
   const std::vector<std::pair<std::string, tessera::app::Run>> commands = {
       {"render", tessera::app::addRender(app)},
       {"info", tessera::app::addInfo(app)},
       {"compare", tessera::app::addCompare(app)},
       {"atlas-bench", tessera::app::addAtlasBench(app)},
+      {"stability", tessera::app::addStability(app, ending)},
+      {"accuracy", tessera::app::addAccuracy(app)},
   };
   try {
     app.parse(argc, argv);
@@ -32,7 +35,7 @@ int run(int argc, char** argv) {
     if (!app.got_subcommand(name)) continue;
     auto result = tessera::app::checkFinite(*app.get_subcommand(name));
     if (result) result = command(tessera::app::commandLine(argc, argv));
-    if (result) return static_cast<int>(Exit::Ok);
+    if (result) return static_cast<int>(ending);
     fmt::print(stderr, "tessera {}: {}\n", name, result.error().message);
     return static_cast<int>(Exit::BadInput);
   }

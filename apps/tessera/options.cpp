@@ -1,10 +1,13 @@
 #include "apps/tessera/options.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+
+#include <fmt/ranges.h>
 
 namespace tessera::app {
 
@@ -68,7 +71,7 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
     const int value = std::atoi(text.c_str());
     return value > 0 && (value & (value - 1)) == 0 ? std::string() : text + " is not a power of two";
   };
-  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024")
+  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024; else 256, less where the atlas has not room for 16")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
   command
@@ -102,9 +105,10 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
       .add_option("--slanted", choice.slanted,
                   "longest edge to height beyond which a triangle is oversampled by method tess")
       ->check(CLI::Range(1.0, 1e6));
-  command.add_option("--atlas-format", choice.format, "srgb8 or rgba16f")
-      ->check(CLI::IsMember({"srgb8", "rgba16f"}))
+  command.add_option("--atlas-format", choice.format, "srgb8, rgb10a2, r11g11b10f or rgba16f")
+      ->check(CLI::IsMember(atlasFormatNames()))
       ->capture_default_str();
+  command.add_flag("!--no-pairs", choice.pairs, "each triangle is a patch of its own");
   command
       .add_option("--split-edges", choice.splitEdges,
                   "split edges longer than this share of the scene's diagonal; 0: never")
@@ -172,7 +176,6 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   RectMemoryOptions& memory = options.atlas.memory;
   const double texels = choice.megapixels * 1048576.0;
   const auto log2Of = [](int value) { return std::bit_width(static_cast<unsigned>(value)) - 1; };
-  if (choice.superblock > 0) memory.superblockLog2 = log2Of(choice.superblock);
   if (choice.smallestBlock > 0) memory.smallestLog2 = log2Of(choice.smallestBlock);
   if (choice.largestBlock > 0) memory.largestLog2 = log2Of(choice.largestBlock);
   if (choice.largestAspect > 0) memory.aspectLog2 = log2Of(choice.largestAspect);
@@ -181,8 +184,13 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   memory.strategy = static_cast<AtlasStrategy>(choice.strategy.back() - '0');
   memory.merge = choice.merge;
   memory.biasFloor = static_cast<float>(choice.biasFloor);
+  memory.width = 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9));
+  const int rows = static_cast<int>(std::lround(texels / memory.width));
+  memory.superblockLog2 = choice.superblock > 0
+                              ? log2Of(choice.superblock)
+                              : std::max(superblockLog2Of(memory.width, rows), memory.smallestLog2);
   const int superblock = 1 << memory.superblockLog2;
-  memory.width = std::max(superblock, 1 << static_cast<int>(std::ceil(std::log2(std::sqrt(texels)) - 1e-9)));
+  memory.width = std::max(superblock, memory.width);
   memory.height =
       std::max(superblock, static_cast<int>(std::lround(texels / memory.width / superblock)) * superblock);
   memory.bias = static_cast<float>(choice.bias);
@@ -213,11 +221,22 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
   texel.pressureBias = memory.pressureBias;
   if (choice.sampling != Sampling::Rect)
     options.gatherer = choice.sampling == Sampling::Texel ? GathererKind::Texel : GathererKind::Tess;
-  options.atlas.format = choice.format == "rgba16f" ? AtlasFormat::Rgba16f : AtlasFormat::Srgb8;
+  constexpr std::array kFormats = {AtlasFormat::Srgb8, AtlasFormat::Rgb10a2, AtlasFormat::R11g11b10f,
+                                   AtlasFormat::Rgba16f};
+  const auto& formats = atlasFormatNames();
+  const auto format = std::find(formats.begin(), formats.end(), choice.format);
+  if (format == formats.end()) return fail("atlas format {}: not one of {}", choice.format, fmt::join(formats, ", "));
+  options.atlas.format = kFormats.at(static_cast<std::size_t>(format - formats.begin()));
   options.tess.format = options.atlas.format;
   texel.format = options.atlas.format;
   if (choice.splitEdges >= 0.0) options.splitEdges = choice.splitEdges;
+  options.patches = {.pair = choice.pairs, .triple = choice.pairs};
   return options;
+}
+
+const std::vector<std::string>& atlasFormatNames() {
+  static const std::vector<std::string> names = {"srgb8", "rgb10a2", "r11g11b10f", "rgba16f"};
+  return names;
 }
 
 const std::vector<std::string>& gatherNames() {

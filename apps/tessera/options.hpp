@@ -36,6 +36,8 @@ struct StageChoice {
 };
 /// Values of AtlasChoice::gather.
 const std::vector<std::string>& gatherNames();
+/// Values of AtlasChoice::format.
+const std::vector<std::string>& atlasFormatNames();
 
 /// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or Texel
 /// Shading.
@@ -61,6 +63,7 @@ struct AtlasChoice {
   double hysteresis = -2.0;  // log2; below -1: the default
   std::string format = "srgb8";
   double splitEdges = -1.0;  // negative: the engine's default
+  bool pairs = true;         // false: each triangle is a patch of its own
 };
 
 struct SpatialChoice {

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/tessera/accuracy/choose.hpp"
 #include "apps/tessera/commands.hpp"
 #include "apps/tessera/context_json.hpp"
 #include "apps/tessera/progress.hpp"
@@ -26,6 +27,9 @@ struct RenderOptions {
   StageChoice stage;
   AtlasChoice atlas;
   SpatialChoice spatial;
+  StudyChoice study;
+  int shadowSize = EngineOptions().shadowSize;
+  bool shadowFilter = EngineOptions().shadowFilter;
 };
 
 const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
@@ -37,8 +41,9 @@ const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
 
 FrameRequest requestOf(const RenderOptions& options) {
   FrameRequest request;
-  request.forward = options.method == "forward" || options.method == "forward-prepass";
+  request.forward = options.method.starts_with("forward");
   request.depthPrepass = options.method == "forward-prepass";
+  request.upsample = options.method == "forward-lanczos";
   request.rect = !request.forward || !options.view.empty();
   request.displayDeferred = options.method.ends_with("-deferred");
   request.displayGeometry = !request.displayDeferred;
@@ -67,6 +72,35 @@ std::string progressOf(const std::filesystem::path& file, Engine& engine) {
   if (stats) line += fmt::format(", atlas {:.0f} % in use", 100.0f * stats->load);
   if (stats && stats->failures > 0) line += fmt::format(", {} patches without memory", stats->failures);
   return line;
+}
+
+/// The picture of forward, or of what enlarges it.
+Result<void> drawForward(Engine& engine, const RenderOptions& options, const View& view) {
+  if (options.method != "forward-lanczos") {
+    engine.forward(view, options.method == "forward-prepass");
+    return {};
+  }
+  View quarter = view;
+  quarter.width /= 2;
+  quarter.height /= 2;
+  engine.forward(quarter);
+  return engine.upsample(view.width, view.height);
+}
+
+/// The options with what a study says is best, if one is asked.
+Result<RenderOptions> withStudy(const RenderOptions& options) {
+  if (options.study.file.empty()) return options;
+  auto chosen = chooseFrom(options.study, options.scene);
+  if (!chosen) return tl::unexpected(chosen.error());
+  const Method& method = chosen->configuration.method;
+  RenderOptions chosenOptions = options;
+  // The name has no settings; deferred display is a method of its own here.
+  chosenOptions.method = method.name + (method.kind == Kind::RectDeferred ? "-deferred" : "");
+  if (method.usesAtlas()) chosenOptions.atlas = method.atlas;
+  chosenOptions.shadowSize = chosen->configuration.shadowSize;
+  chosenOptions.shadowFilter = chosen->configuration.shadowFilter;
+  fmt::print("{}\n", chosen->reason);
+  return chosenOptions;
 }
 
 nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
@@ -119,9 +153,15 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   return json;
 }
 
-Result<void> render(const RenderOptions& options) {
+Result<void> render(const RenderOptions& asked) {
+  auto studied = withStudy(asked);
+  if (!studied) return tl::unexpected(studied.error());
+  const RenderOptions& options = *studied;
   auto size = parseSize(options.size.text);
   if (!size) return tl::unexpected(size.error());
+  if (options.method == "forward-lanczos" && (size->x % 2 != 0 || size->y % 2 != 0))
+    return fail("--size {}: forward-lanczos draws half of the width and of the height: both must be even",
+                options.size.text);
   auto spatial = spatialOf(options.spatial);
   if (!spatial) return tl::unexpected(spatial.error());
   AtlasChoice atlas = options.atlas;
@@ -142,6 +182,8 @@ Result<void> render(const RenderOptions& options) {
   if (!context) return tl::unexpected(context.error());
 
   engineSetup->request = requestOf(options);
+  engineSetup->shadowSize = options.shadowSize;
+  engineSetup->shadowFilter = options.shadowFilter;
   engineSetup->timePasses = !options.stats.empty();
   engineSetup->countFragments = !options.stats.empty();
   engineSetup->progress = step;
@@ -157,7 +199,8 @@ Result<void> render(const RenderOptions& options) {
     engine.clearTimes();
     engine.update(timed.time);
     const PlaceOptions reuse = spatial->at(timed.time);
-    if (engineSetup->request.forward) engine.forward(timed.view, engineSetup->request.depthPrepass);
+    if (engineSetup->request.forward)
+      if (auto drawn = drawForward(engine, options, timed.view); !drawn) return drawn;
     if (engineSetup->request.rect) {
       engine.findVisible({&timed.view, 1});
       if (auto placed = engine.place({&timed.view, 1}, reuse); !placed) return placed;
@@ -204,26 +247,49 @@ Run addRender(CLI::App& app) {
   CLI::App& command = *app.add_subcommand("render", "Draw a scene to PNG files");
   command.add_option("scene", options->scene, "glTF 2.0 file, .gltf or .glb")->required();
   command.add_option("-o,--output", options->output, "PNG to write; several frames are numbered")->required();
-  command
-      .add_option("--method", options->method,
-                  "forward, forward-prepass, rect, lpack, oversample, tess or texel; those of an atlas but "
-                  "oversample "
-                  "also with -deferred")
-      ->check(CLI::IsMember({"forward", "forward-prepass", "rect", "rect-deferred", "lpack", "lpack-deferred",
-                             "oversample", "tess", "tess-deferred", "texel", "texel-deferred"}))
-      ->capture_default_str();
+  auto* method = command
+                     .add_option("--method", options->method,
+                                 "forward, forward-prepass, forward-lanczos, rect, lpack, oversample, tess "
+                                 "or texel; those of an atlas but "
+                                 "oversample "
+                                 "also with -deferred")
+                     ->check(CLI::IsMember({"forward", "forward-prepass", "forward-lanczos", "rect",
+                                            "rect-deferred", "lpack", "lpack-deferred", "oversample", "tess",
+                                            "tess-deferred", "texel", "texel-deferred"}))
+                     ->capture_default_str();
   command
       .add_option("--view", options->view,
                   "debug picture: ids, patches, levels, blocks, texel-density or atlas")
       ->check(CLI::IsMember(kDebugViews));
   command.add_option("--stats", options->stats, "JSON file for times and counts");
+  auto* study =
+      command.add_option("--study", options->study.file,
+                         "accuracy.json of 'tessera accuracy': takes method, atlas and shadow maps from it, "
+                         "by one of the two that follow, and says what and why");
+  study->excludes(method);
+  auto* budget = command
+                     .add_option("--budget-ms", options->study.budgetMs,
+                                 "the best configuration of the study that takes no longer a frame")
+                     ->check(CLI::Range(0.0, 1e9))
+                     ->needs(study);
+  auto* target = command
+                     .add_option("--target-dssim", options->study.targetDssim,
+                                 "the cheapest configuration of the study that is no further off")
+                     ->check(CLI::Range(0.0, 1.0))
+                     ->needs(study);
+  budget->excludes(target);
   addContext(command, options->context);
   addSize(command, options->size);
   addCamera(command, options->camera);
   addStage(command, options->stage);
   addAtlas(command, options->atlas);
   addSpatial(command, options->spatial);
-  return [options](const std::string&) { return render(*options); };
+  return [options](const std::string&) -> Result<void> {
+    const StudyChoice& choice = options->study;
+    if (!choice.file.empty() && !choice.budgetMs && !choice.targetDssim)
+      return fail("--study {}: needs --budget-ms or --target-dssim to choose by", choice.file);
+    return render(*options);
+  };
 }
 
 }  // namespace tessera::app

@@ -21,16 +21,20 @@ Result<void> checkRange(const char* name, float value, float low, float high) {
 }
 
 Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint32_t patchInstances) {
-  if (options.superblockLog2 < 1 || options.superblockLog2 > static_cast<int>(glsl::kMaxBlockLog2))
-    return fail("atlas memory: superblocks of 2^{} texels a side are not in [2^1, 2^{}]",
-                options.superblockLog2, glsl::kMaxBlockLog2);
-  const int size = 1 << options.superblockLog2;
+  const int superblockLog2 =
+      options.superblockLog2 == 0
+          ? std::max(superblockLog2Of(options.width, options.height), std::min(options.smallestLog2, 10))
+          : options.superblockLog2;
+  if (superblockLog2 < 1 || superblockLog2 > static_cast<int>(glsl::kMaxBlockLog2))
+    return fail("atlas memory: superblocks of 2^{} texels a side are not in [2^1, 2^{}]", superblockLog2,
+                glsl::kMaxBlockLog2);
+  const int size = 1 << superblockLog2;
   for (const int side : {options.width, options.height})
     if (side < size || side > 16384 || side % size != 0)
       return fail("atlas memory: a side of {} texels is not a multiple of the superblock's {} up to 16384",
                   side, size);
-  const std::int64_t superblocks = (std::int64_t{options.width} >> options.superblockLog2) *
-                                   (std::int64_t{options.height} >> options.superblockLog2);
+  const std::int64_t superblocks =
+      (std::int64_t{options.width} >> superblockLog2) * (std::int64_t{options.height} >> superblockLog2);
   constexpr std::int64_t kMostSuperblocks = 65536;
   if (superblocks > kMostSuperblocks)
     return fail("atlas memory: {} superblocks of {} x {} texels are more than {}", superblocks, size, size,
@@ -54,17 +58,17 @@ Result<glsl::AtlasConfig> configFrom(const RectMemoryOptions& options, std::uint
         checkRange("largestLog2", static_cast<float>(options.largestLog2), 0.0f, 10.0f),
         checkRange("aspectLog2", static_cast<float>(options.aspectLog2), 1.0f, 10.0f)})
     if (!checked) return tl::unexpected(checked.error());
-  const int largest = std::min(options.largestLog2, options.superblockLog2);
+  const int largest = std::min(options.largestLog2, superblockLog2);
   if (options.smallestLog2 > largest)
     return fail("atlas memory: smallestLog2 is {}, but {} is {}: no block has 2^{} texels a side",
                 options.smallestLog2,
-                options.largestLog2 <= options.superblockLog2 ? "largestLog2" : "superblockLog2", largest,
+                options.largestLog2 <= superblockLog2 ? "largestLog2" : "superblockLog2", largest,
                 options.smallestLog2);
 
   glsl::AtlasConfig config{};
   config.width = static_cast<glsl::uint>(options.width);
   config.height = static_cast<glsl::uint>(options.height);
-  config.superblockLog2 = static_cast<glsl::uint>(options.superblockLog2);
+  config.superblockLog2 = static_cast<glsl::uint>(superblockLog2);
   config.superblocks = static_cast<glsl::uint>(superblocks);
   config.patchInstances = patchInstances;
   config.views = 1;
@@ -159,12 +163,13 @@ RectStatistics statisticsOf(const glsl::AtlasState& state) {
 
 void betweenPhases() { gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); }
 
-void dispatchIndirect(const gl::Buffer& buffer, std::size_t offset) {
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffer.get());
-  gl::api().DispatchComputeIndirect(static_cast<GLintptr>(offset));
-}
-
 }  // namespace
+
+int superblockLog2Of(int width, int height) {
+  int log2 = 8;
+  while (log2 > 1 && std::int64_t{width >> log2} * (height >> log2) < 16) --log2;
+  return log2;
+}
 
 Result<RectMemory> RectMemory::create(gl::ProgramCache& programs, const RectMemoryOptions& options,
                                       std::uint32_t patchInstances) {
@@ -182,18 +187,13 @@ Result<RectMemory> RectMemory::create(gl::ProgramCache& programs, const RectMemo
         "atlas memory: stacks of {} bytes for {} x {} texels and {} patches are past this context's limit of "
         "{}",
         stackBytes, options.width, options.height, patchInstances, largest);
-  const struct {
-    const gl::Program** program;
-    const char* path;
-  } passes[] = {
-      {&memory.measure_, "pass/rect_measure.comp"},     {&memory.plan_, "pass/rect_plan.comp"},
-      {&memory.merge_, "pass/rect_merge.comp"},         {&memory.request_, "pass/rect_request.comp"},
-      {&memory.provision_, "pass/rect_provision.comp"}, {&memory.assign_, "pass/rect_assign.comp"}};
-  for (const auto& pass : passes) {
-    auto program = programs.get({pass.path});
-    if (!program) return tl::unexpected(program.error());
-    *pass.program = *program;
-  }
+  auto compiled = programs.getAll({{&memory.measure_, "pass/rect_measure.comp"},
+                                   {&memory.plan_, "pass/rect_plan.comp"},
+                                   {&memory.merge_, "pass/rect_merge.comp"},
+                                   {&memory.request_, "pass/rect_request.comp"},
+                                   {&memory.provision_, "pass/rect_provision.comp"},
+                                   {&memory.assign_, "pass/rect_assign.comp"}});
+  if (!compiled) return tl::unexpected(compiled.error());
   memory.state_ = gl::Buffer(sizeof(glsl::AtlasState));
   memory.state_.writeValue(state);
   memory.stacks_ = gl::Buffer(stackBytes);
@@ -232,7 +232,7 @@ void RectMemory::measure(const gl::Buffer& dispatch, std::uint32_t viewCount, co
   }
   bindPhases();
   (program != nullptr ? program : measure_)->use();
-  dispatchIndirect(dispatch, 0);
+  gl::dispatchIndirect(dispatch, 0);
 }
 
 void RectMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
@@ -247,18 +247,18 @@ void RectMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
     gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     mergeMap_.fill(0);
     merge_->use();
-    dispatchIndirect(state_, offsetof(glsl::AtlasState, mergeGroupsX));
+    gl::dispatchIndirect(state_, offsetof(glsl::AtlasState, mergeGroupsX));
     betweenPhases();
   }
   request_->use();
   request_->set(LOCATION_FRAME, frame);
-  dispatchIndirect(state_, offsetof(glsl::AtlasState, requestGroupsX));
+  gl::dispatchIndirect(state_, offsetof(glsl::AtlasState, requestGroupsX));
   betweenPhases();
   provision_->use();
   gl::api().DispatchCompute(1, 1, 1);
   betweenPhases();
   assign_->use();
-  dispatchIndirect(dispatch, 0);
+  gl::dispatchIndirect(dispatch, 0);
   gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   readback_.request(state_);
 }

@@ -39,7 +39,9 @@ void RectAtlas::emit(const VisibleSet& visible) {
 
 void RectAtlas::bind() const { draw_.bind(); }
 
-void RectAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const { draw_.draw(first, count); }
+void RectAtlas::drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t /*list*/) const {
+  draw_.draw(first, count);
+}
 
 std::size_t RectAtlas::bytes() const { return atlas_.texture.bytes() + draw_.bytes() + memory_.bytes(); }
 

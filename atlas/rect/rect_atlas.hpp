@@ -33,10 +33,10 @@ class RectAtlas final : public Gatherer {
   void bind() const override;
   /// With a program of pass/gather.vert in use.
   void shadeBatch(const gl::Program& /*program*/, std::uint32_t batch) const override {
-    drawBatches(batch, 1);
+    draw_.draw(batch, 1);
   }
   /// With a program of pass/display.vert in use.
-  void drawBatches(std::uint32_t first, std::uint32_t count) const override;
+  void drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t list) const override;
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
   [[nodiscard]] std::uint64_t readSamples() const override { return memory_.readStatistics().samples; }
   [[nodiscard]] std::size_t bytes() const override;

@@ -6,7 +6,7 @@ namespace tessera {
 
 namespace {
 
-constexpr std::uint32_t kDisplayVertices = 3;  // an entry
+constexpr std::uint32_t kEntryVertices = 3;
 constexpr std::uint32_t kRasterVertices = 12;  // two rectangles
 
 void drawIndirect(GLenum mode, const gl::VertexArray& array, const gl::Buffer& commands, std::uint32_t first,
@@ -69,7 +69,7 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
 
   std::vector<glsl::TessCommand> commands;
   std::size_t entries = 0;
-  for (const std::uint32_t vertices : {kDisplayVertices, kRasterVertices})
+  for (const std::uint32_t vertices : {kEntryVertices, kRasterVertices})
     for (const glsl::BatchGpu& batch : batches) commands.push_back({0, 1, vertices * batch.firstEntry, 0});
   // A triangle has another piece for each time that it has as many texels as a tessellator spawns.
   const auto area =
@@ -81,6 +81,11 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
     pieces += batch.entryCapacity + morePieces;
     entries += batch.entryCapacity;
   }
+  for (std::uint32_t list = 0; list < glsl::kDisplayLists; ++list)
+    for (const glsl::BatchGpu& batch : batches) {
+      const std::uint32_t entry = batch.firstEntry + (list == glsl::kDisplayAffine ? 0 : batch.entryCapacity);
+      commands.push_back({0, 1, kEntryVertices * entry, 0});
+    }
   // All of the pieces of triangles may be one batch's, and move what follows.
   pieces += glsl::kSplitNumbers;
   entries += glsl::kSplitNumbers;
@@ -94,9 +99,17 @@ Result<TessAtlas> TessAtlas::create(gl::ProgramCache& programs, const TessAtlasO
   atlas.emptyCommands_ = gl::Buffer(commands, 0);
   atlas.entryOf_ = gl::Buffer((std::size_t{triangles} + glsl::kSplitNumbers) * sizeof(glsl::uint));
   atlas.entries_ = gl::Buffer(entries * sizeof(glsl::TessEntry));
-  atlas.vertices_ = gl::Buffer(3 * entries * sizeof(glsl::TessVertex));
+  atlas.vertices_ = gl::Buffer(kEntryVertices * entries * sizeof(glsl::TessVertex));
+  atlas.corners_ = gl::Buffer(kEntryVertices * entries * sizeof(glsl::TessCorner));
   atlas.displayArray_ = gl::VertexArray::make();
-  atlas.displayArray_.attribute(0, atlas.vertices_, 4, sizeof(glsl::TessVertex));
+  atlas.displayArray_.attribute(0, atlas.corners_, 4, sizeof(glsl::TessCorner));
+  const GLuint array = atlas.displayArray_.get();
+  for (const GLuint location : {1u, 2u}) {
+    gl::api().EnableVertexArrayAttrib(array, location);
+    gl::api().VertexArrayAttribBinding(array, location, 0);
+  }
+  gl::api().VertexArrayAttribFormat(array, 1, 3, GL_FLOAT, GL_FALSE, offsetof(glsl::TessCorner, a));
+  gl::api().VertexArrayAttribIFormat(array, 2, 3, GL_UNSIGNED_INT, offsetof(glsl::TessCorner, place0));
   atlas.gatherArray_ = gl::VertexArray::make();
   atlas.setSpawn(options.spawn);
   return atlas;
@@ -125,11 +138,11 @@ void TessAtlas::emit(const VisibleSet&) {
   gl::api().CopyNamedBufferSubData(emptyCommands_.get(), commands_.get(), 0, 0,
                                    static_cast<GLsizeiptr>(commands_.size()));
   split_.makeRoom();
+  corners_.bindStorage(BIND_TESS_CORNERS);
   emit_->use();
   emit_->set(LOCATION_COUNT, batchCount_);
   emit_->set(LOCATION_FRAME, triangles_);
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, split_.dispatch().get());
-  gl::api().DispatchComputeIndirect(0);
+  gl::dispatchIndirect(split_.dispatch());
 }
 
 void TessAtlas::bind() const {
@@ -231,8 +244,7 @@ void TessAtlas::shadeBatch(const gl::Program& program, std::uint32_t batch) cons
     case TessGather::Compute:
     case TessGather::Deferred:
       program.set(LOCATION_COUNT, batch);
-      gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups_.get());
-      gl::api().DispatchComputeIndirect(static_cast<GLintptr>(batch * sizeof(glsl::TessGroups)));
+      gl::dispatchIndirect(groups_, batch * sizeof(glsl::TessGroups));
       return;
     case TessGather::Tess:
       drawIndirect(GL_PATCHES, gatherArray_, commands_, 2 * batchCount_ + batch, 1);
@@ -240,14 +252,14 @@ void TessAtlas::shadeBatch(const gl::Program& program, std::uint32_t batch) cons
   }
 }
 
-void TessAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const {
-  drawIndirect(GL_TRIANGLES, displayArray_, commands_, first, count);
+void TessAtlas::drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t list) const {
+  drawIndirect(GL_TRIANGLES, displayArray_, commands_, (3 + list) * batchCount_ + first, count);
 }
 
 std::size_t TessAtlas::bytes() const {
   return atlas_.texture.bytes() + memory_.bytes() + split_.bytes() + entryOf_.size() + entries_.size() +
-         vertices_.size() + commands_.size() + pieces_.size() + starts_.size() + groups_.size() +
-         samples_.size();
+         vertices_.size() + corners_.size() + commands_.size() + pieces_.size() + starts_.size() +
+         groups_.size() + samples_.size();
 }
 
 }  // namespace tessera

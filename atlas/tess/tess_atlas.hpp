@@ -58,7 +58,7 @@ class TessAtlas final : public Gatherer {
   void bind() const override;
   void beginShading() const override;
   void shadeBatch(const gl::Program& program, std::uint32_t batch) const override;
-  void drawBatches(std::uint32_t first, std::uint32_t count) const override;
+  void drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t list) const override;
   [[nodiscard]] bool rasters() const override { return spawn_.gather == TessGather::Raster; }
   [[nodiscard]] bool encodes() const override { return true; }
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }
@@ -101,7 +101,8 @@ class TessAtlas final : public Gatherer {
   gl::Buffer entries_;   // TessEntry[entries]
   gl::Buffer vertices_;  // TessVertex[3 * entries]
   gl::Buffer batches_;   // BatchGpu[batches], firstEntry as of this frame
-  gl::Buffer commands_;  // TessCommand[3 * batches]: display, raster, pieces
+  gl::Buffer corners_;   // TessCorner[3 * entries]
+  gl::Buffer commands_;  // TessCommand[(3 + kDisplayLists) * batches]: entries, raster, pieces, display's lists
   gl::Buffer emptyCommands_;
   gl::Buffer pieces_;   // uvec2[]: entry, first sample
   gl::Buffer starts_;   // uint[entries]

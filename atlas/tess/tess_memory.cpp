@@ -105,11 +105,6 @@ std::vector<glsl::TessBin> emptyBins(const glsl::TessConfig& config, std::uint64
 
 void betweenPhases() { gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); }
 
-void dispatchIndirect(const gl::Buffer& buffer, std::size_t offset) {
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffer.get());
-  gl::api().DispatchComputeIndirect(static_cast<GLintptr>(offset));
-}
-
 }  // namespace
 
 Result<TessMemory> TessMemory::create(gl::ProgramCache& programs, const TessMemoryOptions& options,
@@ -118,19 +113,12 @@ Result<TessMemory> TessMemory::create(gl::ProgramCache& programs, const TessMemo
   if (!config) return tl::unexpected(config.error());
   TessMemory memory;
   memory.config_ = *config;
-  const struct {
-    const gl::Program** program;
-    const char* path;
-  } passes[] = {{&memory.measure_, "pass/tess_measure.comp"},
-                {&memory.plan_, "pass/tess_plan.comp"},
-                {&memory.request_, "pass/tess_request.comp"},
-                {&memory.provision_, "pass/tess_provision.comp"},
-                {&memory.assign_, "pass/tess_assign.comp"}};
-  for (const auto& pass : passes) {
-    auto program = programs.get({pass.path});
-    if (!program) return tl::unexpected(program.error());
-    *pass.program = *program;
-  }
+  auto compiled = programs.getAll({{&memory.measure_, "pass/tess_measure.comp"},
+                                   {&memory.plan_, "pass/tess_plan.comp"},
+                                   {&memory.request_, "pass/tess_request.comp"},
+                                   {&memory.provision_, "pass/tess_provision.comp"},
+                                   {&memory.assign_, "pass/tess_assign.comp"}});
+  if (!compiled) return tl::unexpected(compiled.error());
   std::uint64_t entries = 0;
   memory.bins_ = gl::Buffer(emptyBins(*config, entries));
   memory.stacks_ = gl::Buffer(entries * sizeof(glsl::uint));
@@ -176,7 +164,7 @@ void TessMemory::setViewCount(std::uint32_t viewCount) {
 void TessMemory::measure(const gl::Buffer& dispatch, const gl::Program* program) {
   bindPhases();
   (program != nullptr ? program : measure_)->use();
-  dispatchIndirect(dispatch, 0);
+  gl::dispatchIndirect(dispatch, 0);
 }
 
 void TessMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
@@ -192,14 +180,14 @@ void TessMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
     gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     request_->use();
     request_->set(LOCATION_FRAME, frame);
-    dispatchIndirect(state_, offsetof(glsl::TessAtlasState, requestGroupsX));
+    gl::dispatchIndirect(state_, offsetof(glsl::TessAtlasState, requestGroupsX));
     betweenPhases();
     provision_->use();
     gl::api().DispatchCompute(1, 1, 1);
     betweenPhases();
   }
   assign_->use();
-  dispatchIndirect(dispatch, 0);
+  gl::dispatchIndirect(dispatch, 0);
 }
 
 int TessMemory::textureHeight() const {

@@ -56,8 +56,7 @@ GatherStatistics TessAtlas::readStatistics() const {
   blocks.texels /= 2;
   for (const GatherPacking& packing : {ls, blocks})
     if (packing.texels > 0) statistics.packings.push_back(packing);
-  statistics.displayBytes =
-      std::uint64_t{memory.visible} * (sizeof(glsl::TessEntry) + 3 * sizeof(glsl::TessVertex));
+  statistics.displayBytes = std::uint64_t{memory.visible} * 3 * sizeof(glsl::TessCorner);
   return statistics;
 }
 

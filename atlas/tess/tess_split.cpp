@@ -15,18 +15,11 @@ Result<TessSplit> TessSplit::create(gl::ProgramCache& programs, std::uint32_t tr
                                     std::uint32_t batches) {
   TessSplit split;
   split.batchCount_ = batches;
-  const struct {
-    const gl::Program** program;
-    const char* path;
-  } passes[] = {{&split.begin_, "pass/split_begin.comp"},
-                {&split.split_, "pass/split.comp"},
-                {&split.finish_, "pass/visible_finish.comp"},
-                {&split.ranges_, "pass/split_ranges.comp"}};
-  for (const auto& pass : passes) {
-    auto program = programs.get({pass.path});
-    if (!program) return tl::unexpected(program.error());
-    *pass.program = *program;
-  }
+  auto compiled = programs.getAll({{&split.begin_, "pass/split_begin.comp"},
+                                   {&split.split_, "pass/split.comp"},
+                                   {&split.finish_, "pass/visible_finish.comp"},
+                                   {&split.ranges_, "pass/split_ranges.comp"}});
+  if (!compiled) return tl::unexpected(compiled.error());
   glsl::TessSplitState state{};
   std::fill(std::begin(state.owners), std::end(state.owners), glsl::kNoEntry);
   split.state_ = gl::Buffer(sizeof(state) + batches * sizeof(glsl::uint));
@@ -49,8 +42,7 @@ void TessSplit::list(const VisibleSet& visible) const {
   storageBarrier();
   split_->use();
   split_->set(LOCATION_FRAME, visible.frame());
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, visible.dispatch().get());
-  gl::api().DispatchComputeIndirect(0);
+  gl::dispatchIndirect(visible.dispatch());
   storageBarrier();
   bind();
   dispatch_.bindStorage(BIND_DISPATCH);

@@ -59,8 +59,7 @@ void runOnce(const gl::Program& program) {
 
 void runOver(const gl::Program& program, const gl::Buffer& state, std::size_t groups) {
   program.use();
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, state.get());
-  gl::api().DispatchComputeIndirect(static_cast<GLintptr>(groups));
+  gl::dispatchIndirect(state, groups);
   betweenPasses();
 }
 
@@ -73,26 +72,18 @@ Result<TexelAtlas> TexelAtlas::create(gl::ProgramCache& programs, const TexelAtl
   if (!config) return tl::unexpected(config.error());
   TexelAtlas atlas;
   atlas.config_ = *config;
-  const struct {
-    const gl::Program** program;
-    const char* path;
-    gl::Defines defines;
-  } passes[] = {{&atlas.openPass_, "pass/texel_open.comp", {}},
-                {&atlas.mark_, "pass/texel_mark.comp", {}},
-                {&atlas.markLayers_, "pass/texel_mark.comp", {{"LAYERS", "1"}}},
-                {&atlas.fit_, "pass/texel_fit.comp", {}},
-                {&atlas.clear_, "pass/texel_clear.comp", {}},
-                {&atlas.coarsen_, "pass/texel_coarsen.comp", {}},
-                {&atlas.release_, "pass/texel_release.comp", {}},
-                {&atlas.assign_, "pass/texel_assign.comp", {}},
-                {&atlas.emit_, "pass/rect_emit.comp", {{"CHARTS", "1"}}},
-                {&atlas.scan_, "pass/texel_scan.comp", {}},
-                {&atlas.queuePass_, "pass/texel_queue.comp", {}}};
-  for (const auto& pass : passes) {
-    auto program = programs.get({pass.path}, pass.defines);
-    if (!program) return tl::unexpected(program.error());
-    *pass.program = *program;
-  }
+  auto compiled = programs.getAll({{&atlas.openPass_, "pass/texel_open.comp"},
+                                   {&atlas.mark_, "pass/texel_mark.comp"},
+                                   {&atlas.markLayers_, "pass/texel_mark.comp", {{"LAYERS", "1"}}},
+                                   {&atlas.fit_, "pass/texel_fit.comp"},
+                                   {&atlas.clear_, "pass/texel_clear.comp"},
+                                   {&atlas.coarsen_, "pass/texel_coarsen.comp"},
+                                   {&atlas.release_, "pass/texel_release.comp"},
+                                   {&atlas.assign_, "pass/texel_assign.comp"},
+                                   {&atlas.emit_, "pass/rect_emit.comp", {{"CHARTS", "1"}}},
+                                   {&atlas.scan_, "pass/texel_scan.comp"},
+                                   {&atlas.queuePass_, "pass/texel_queue.comp"}});
+  if (!compiled) return tl::unexpected(compiled.error());
   const auto patches = static_cast<int>(charts.size());
   auto texture = AtlasTexture::create(
       options.width, options.height + (patches + options.width - 1) / options.width, options.format);
@@ -199,12 +190,11 @@ void TexelAtlas::beginShading() const {
 
 void TexelAtlas::shadeBatch(const gl::Program& program, std::uint32_t batch) const {
   const std::size_t first = batch * sizeof(glsl::TexelBatch);
-  gl::api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, batches_.get());
   program.set(LOCATION_COUNT, batch);
   program.set(LOCATION_FRAME, 0u);
-  gl::api().DispatchComputeIndirect(static_cast<GLintptr>(first + offsetof(glsl::TexelBatch, tileGroupsX)));
+  gl::dispatchIndirect(batches_, first + offsetof(glsl::TexelBatch, tileGroupsX));
   program.set(LOCATION_FRAME, 1 + config_.recordRow);
-  gl::api().DispatchComputeIndirect(static_cast<GLintptr>(first + offsetof(glsl::TexelBatch, recordGroupsX)));
+  gl::dispatchIndirect(batches_, first + offsetof(glsl::TexelBatch, recordGroupsX));
 }
 
 void TexelAtlas::endShading() const {
@@ -212,7 +202,9 @@ void TexelAtlas::endShading() const {
                           GL_FRAMEBUFFER_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
 }
 
-void TexelAtlas::drawBatches(std::uint32_t first, std::uint32_t count) const { draw_.draw(first, count); }
+void TexelAtlas::drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t /*list*/) const {
+  draw_.draw(first, count);
+}
 
 std::size_t TexelAtlas::bytes() const {
   return atlas_.texture.bytes() + draw_.bytes() + state_.size() + charts_.size() + table_.size() +

@@ -59,7 +59,7 @@ class TexelAtlas final : public Gatherer {
   void beginShading() const override;
   void shadeBatch(const gl::Program& program, std::uint32_t batch) const override;
   void endShading() const override;
-  void drawBatches(std::uint32_t first, std::uint32_t count) const override;
+  void drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t list) const override;
   [[nodiscard]] bool rasters() const override { return false; }
   [[nodiscard]] bool encodes() const override { return true; }
   [[nodiscard]] const AtlasTexture& atlas() const override { return atlas_; }

@@ -32,6 +32,8 @@ Result<void> Engine::place(std::span<const View> views, const PlaceOptions& opti
   const auto placed = views.first(std::min(views.size(), kMaxViews));
   auto measure = s.measureProgram(options);
   if (!measure) return tl::unexpected(measure.error());
+  s.moveAnchor(s.anchorFor(placed.front()));
+  s.placedAnchor = s.anchor;
   s.bindScene();
   s.setViews(placed);
   if (*measure != nullptr) s.setDensities(placed, options);
@@ -47,6 +49,7 @@ void Engine::shade(const View& view, const ShadeOptions& options) {
   const Gatherer* gatherer = s.gatherer();
   if (gatherer == nullptr) return;
   const auto guard = s.guard();
+  s.moveAnchor(s.placedAnchor);
   s.bindScene();
   s.setViews({&view, 1});
   gatherer->bind();
@@ -76,6 +79,7 @@ void Engine::shade(const View& view, const ShadeOptions& options) {
 void Engine::display(const View& view, DisplayMode mode) {
   State& s = *s_;
   const auto guard = s.guard();
+  s.moveAnchor(s.gatherer() != nullptr ? s.placedAnchor : s.anchorFor(view));
   s.bindScene();
   s.setViews({&view, 1});
   s.beginPicture(view);
@@ -102,7 +106,7 @@ void Engine::display(const View& view, DisplayMode mode) {
   const float texelX = 1.0f / static_cast<float>(atlas.texture.width());
   const float texelY = 1.0f / static_cast<float>(atlas.texture.height());
   atlas.display().bind(UNIT_ATLAS);
-  const bool linear = atlas.format == AtlasFormat::Rgba16f;
+  const bool linear = atlas.format != AtlasFormat::Srgb8;
 
   // Of the two forms the plan may have only one; that one draws, whichever was asked for.
   const bool planned =
@@ -136,14 +140,16 @@ void Engine::display(const View& view, DisplayMode mode) {
              s.draw.batches[last].doubleSided == batch.doubleSided)
         ++last;
       const BatchPrograms& programs = s.batchPrograms[first];
-      programs.display->use();
-      setVec2(*programs.display, LOCATION_SIZE, texelX, texelY);
       if (batch.mask) {
         s.buffers.bindMaterial(batch.material, programs.depth);
       }
       // Entries are counter-clockwise in the world, mirrored or not (see the emit passes).
       gl::applyCulling(!batch.doubleSided, false);
-      gatherer->drawBatches(first, last - first);
+      for (std::size_t list = 0; list < programs.display.size(); ++list) {
+        programs.display[list]->use();
+        setVec2(*programs.display[list], LOCATION_SIZE, texelX, texelY);
+        gatherer->drawBatches(first, last - first, static_cast<std::uint32_t>(list));
+      }
       first = last;
     }
   });

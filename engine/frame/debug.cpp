@@ -25,6 +25,7 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
   if (!s.atlas) return fail("{}: this view is the rectangular atlas's", s.scene.file);
   gl::Texture target(GL_RGBA8, what == DebugView::Blocks ? s.atlas->atlas().texture.width() : view.width,
                      what == DebugView::Blocks ? s.atlas->atlas().texture.height() : view.height);
+  s.moveAnchor(s.placedAnchor);
   s.bindScene();
   s.atlas->bind();
   gl::api().MemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -41,7 +42,7 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
     (*program)->use();
     gl::api().ProgramUniform2f((*program)->get(), LOCATION_SIZE, 2.0f / static_cast<float>(target.width()),
                                2.0f / static_cast<float>(target.height()));
-    s.atlas->drawBatches(0, static_cast<std::uint32_t>(s.draw.batches.size()));
+    s.atlas->drawBatches(0, static_cast<std::uint32_t>(s.draw.batches.size()), 0);
   } else {
     auto program =
         s.programs.get({"pass/debug_screen.comp"}, {{"MODE", kScreenModes[static_cast<std::size_t>(what)]}});
@@ -60,7 +61,9 @@ Result<Image> Engine::debugView(DebugView what, const View& view) {
 
 std::uint64_t Engine::nonFiniteTexels() const {
   const Gatherer* gatherer = s_->gatherer();
-  if (gatherer == nullptr || gatherer->atlas().format != AtlasFormat::Rgba16f) return 0;
+  if (gatherer == nullptr) return 0;
+  const AtlasFormat format = gatherer->atlas().format;
+  if (format != AtlasFormat::Rgba16f && format != AtlasFormat::R11g11b10f) return 0;
   const auto guard = s_->guard();
   const auto bytes = gl::readTexture(gatherer->atlas().texture, GL_RGBA, GL_FLOAT, 4 * sizeof(float));
   std::uint64_t bad = 0;

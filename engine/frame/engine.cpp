@@ -1,9 +1,11 @@
 #include "engine/frame/engine.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/frame/charts.hpp"
 #include "engine/frame/engine_state.hpp"
+#include "engine/scene/finite.hpp"
 #include "engine/scene/subdivide.hpp"
 #include "glsl/shared/bindings.h"
 #include "glsl/shared/tone.h"
@@ -40,6 +42,11 @@ Result<void> checkLights(const Scene& scene, const Stage* stage) {
   return {};
 }
 
+Result<void> checkShadowSize(int texels) {
+  if (texels < 64 || texels > 8192) return fail("shadow size {} is outside [64, 8192]", texels);
+  return {};
+}
+
 }  // namespace
 
 Engine::Engine() = default;
@@ -47,8 +54,7 @@ Engine::~Engine() = default;
 
 Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene, std::optional<Stage> stage,
                                                const EngineOptions& options) {
-  if (options.shadowSize < 64 || options.shadowSize > 8192)
-    return fail("shadow size {} is outside [64, 8192]", options.shadowSize);
+  if (auto good = checkShadowSize(options.shadowSize); !good) return tl::unexpected(good.error());
   if (!(options.splitEdges >= 0.0 && options.splitEdges <= 1.0))
     return fail("edge split share {} is outside [0, 1]", options.splitEdges);
   const auto say = [&](const char* step) {
@@ -62,6 +68,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
+  makeFinite(s.scene);
   if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits)
     return tl::unexpected(fits.error());
   say("splitting long edges");
@@ -71,7 +78,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   completeAttributes(s.scene, s.features);
   say("building patches");
   s.draw = prepare(s.scene, options.patches);
-  s.anchor = s.scene.bounds.centre();
+  s.anchor = s.placedAnchor = s.scene.bounds.centre();
   say("uploading");
   auto buffers = upload(s.scene, s.draw);
   if (!buffers) return tl::unexpected(buffers.error());
@@ -133,45 +140,61 @@ void Engine::State::setDensities(std::span<const View> views, const PlaceOptions
   densityBuffer.bindUniform(BIND_DENSITY);
 }
 
+glm::dvec3 Engine::State::anchorFor(const View& view) const {
+  // At the edge of a cell a float's last place is 1/1024 of the near plane at the most.
+  constexpr double kCellInNearPlanes = 16384.0;
+  const double cell = defaultNear(scene) * kCellInNearPlanes;
+  const glm::dvec3 centre = scene.bounds.centre();
+  const glm::dvec3 cells = glm::round((view.eye - centre) / cell);
+  const bool finite = std::isfinite(cells.x) && std::isfinite(cells.y) && std::isfinite(cells.z);
+  return finite ? centre + cells * cell : centre;
+}
+
+void Engine::State::moveAnchor(const glm::dvec3& to) {
+  if (to == anchor || !updated) return;
+  anchor = to;
+  writeInstances();
+  writeLights();
+  drawShadows();
+}
+
+void Engine::State::writeInstances() {
+  const auto records = instanceRecords(scene, draw, now, anchor);
+  buffers.instances.write(std::span<const glsl::InstanceGpu>(records));
+  bounds = instanceBounds(scene, draw.instances, now);
+  for (Box& box : bounds) {
+    box.min -= anchor;
+    box.max -= anchor;
+  }
+  mirrored.clear();
+  for (std::size_t i = 0; i < draw.instances.size(); ++i)
+    mirrored.push_back((records[i].flags & glsl::kInstanceMirrored) != 0);
+}
+
+void Engine::State::writeLights() {
+  if (!features.lights) return;
+  lights = buildLights(evaluateLights(scene, now, stage ? &*stage : nullptr, time), scene.bounds, anchor,
+                       options.shadowSize);
+  lightBuffer.write(std::span<const glsl::LightGpu>(lights.lights));
+  if (shadowBuffer) shadowBuffer.write(std::span<const glsl::ShadowGpu>(lights.shadows));
+}
+
 void Engine::update(double time) {
   State& s = *s_;
   const auto guard = s.guard();
   const bool first = !s.updated;
   if (first || s.features.animated) {
     evaluate(s.scene, time, s.now);
-    const auto records = instanceRecords(s.scene, s.draw, s.now, s.anchor);
-    s.buffers.instances.write(std::span<const glsl::InstanceGpu>(records));
-    s.bounds = instanceBounds(s.scene, s.draw.instances, s.now);
-    for (Box& box : s.bounds) {
-      box.min -= s.anchor;
-      box.max -= s.anchor;
-    }
-    s.mirrored.clear();
-    for (std::size_t i = 0; i < s.draw.instances.size(); ++i)
-      s.mirrored.push_back((records[i].flags & glsl::kInstanceMirrored) != 0);
+    s.writeInstances();
   }
-  const Stage* stage = s.stage ? &*s.stage : nullptr;
-  if (s.features.lights)
-    s.lights = buildLights(evaluateLights(s.scene, s.now, stage, time), s.scene.bounds, s.anchor,
-                           s.options.shadowSize);
+  s.time = time;
   if (first) {
     if (s.features.lights) s.lightBuffer = gl::Buffer(glsl::kMaxLights * sizeof(glsl::LightGpu));
     if (s.features.shadows) s.shadowBuffer = gl::Buffer(glsl::kMaxShadowLayers * sizeof(glsl::ShadowGpu));
-    if (s.features.shadows) {
-      const int size = s.options.shadowSize;
-      s.shadowMap =
-          gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(s.lights.layers.size()));
-      s.shadowMap.filter(GL_LINEAR, GL_LINEAR);
-      s.shadowMap.wrap(GL_CLAMP_TO_EDGE);
-      s.shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-      s.shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-      for (std::size_t i = 0; i < s.lights.layers.size(); ++i)
-        s.shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &s.shadowMap,
-                                          static_cast<int>(i));
-    }
   }
-  if (s.lightBuffer) s.lightBuffer.write(std::span<const glsl::LightGpu>(s.lights.lights));
-  if (s.shadowBuffer) s.shadowBuffer.write(std::span<const glsl::ShadowGpu>(s.lights.shadows));
+  s.writeLights();
+  if (s.features.shadows && s.shadowMap.width() != s.options.shadowSize) s.makeShadowMap();
+  const Stage* stage = s.stage ? &*s.stage : nullptr;
   // Ambient alone must show the scene; beside lights it only keeps shadows from going black.
   constexpr float kAmbientAlone = 0.8f;
   const Ambient unlitScene{glm::vec3(kAmbientAlone), glm::vec3(kAmbientAlone)};
@@ -179,8 +202,8 @@ void Engine::update(double time) {
                           : s.features.lights                ? Ambient{}
                                                              : unlitScene;
   glsl::FrameGpu frame{};
-  frame.ambientSky = glm::vec4(ambient.sky, stage != nullptr ? stage->exposure : 1.0f);
-  frame.ambientGround = glm::vec4(ambient.ground, 0.0f);
+  frame.ambientSky = glm::vec4(boundedRadiance(ambient.sky), stage != nullptr ? stage->exposure : 1.0f);
+  frame.ambientGround = glm::vec4(boundedRadiance(ambient.ground), 0.0f);
   frame.lightCount = static_cast<glsl::uint>(s.lights.lights.size());
   s.frameBuffer.writeValue(frame);
   s.updated = true;
@@ -191,6 +214,15 @@ Result<void> Engine::remakeAtlas(const RectMemoryOptions& memory) {
   EngineOptions options = s_->options;
   options.gatherer = GathererKind::Rect;
   options.atlas.memory = memory;
+  if (s_->gatherer() == nullptr) return {};
+  const auto guard = s_->guard();
+  return s_->makeGatherer(options);
+}
+
+Result<void> Engine::remakeAtlas(const RectAtlasOptions& rect) {
+  EngineOptions options = s_->options;
+  options.gatherer = GathererKind::Rect;
+  options.atlas = rect;
   if (s_->gatherer() == nullptr) return {};
   const auto guard = s_->guard();
   return s_->makeGatherer(options);
@@ -212,6 +244,17 @@ Result<void> Engine::remakeAtlas(const TexelAtlasOptions& texel) {
   if (s_->gatherer() == nullptr) return {};
   const auto guard = s_->guard();
   return s_->makeGatherer(options);
+}
+
+Result<void> Engine::setShadowSize(int texels) {
+  if (auto good = checkShadowSize(texels); !good) return good;
+  s_->options.shadowSize = texels;
+  return {};
+}
+
+void Engine::setShadowFilter(bool filter) {
+  s_->options.shadowFilter = filter;
+  if (s_->shadowMap) s_->filterShadowMap();
 }
 
 Result<void> Engine::setSpawn(const TessSpawn& spawn) {

@@ -45,6 +45,7 @@ struct EngineOptions {
   /// measured default.
   double splitEdges = 1.0 / 24.0;
   int shadowSize = 1024;                         // texels a side of a shadow-map layer, [64, 8192]
+  bool shadowFilter = true;                      // between the four nearest texels; false: the nearest alone
   glm::vec3 background{0.030f, 0.034f, 0.042f};  // display-referred linear
   /// Several views' ids in one pass, a layer of the target each, where the context can
   /// (ContextInfo::vertexLayers); false: a pass a view. The visible set is the same.
@@ -92,8 +93,8 @@ class Engine {
   /// Places the visible set for these views, at most kMaxViews (the largest over them counts), with fewer
   /// texels where the options say that fewer are seen. The program of a combination of options is compiled at
   /// its first use. Fails, and leaves everything as it was, where check() of an option or that program fails.
-  /// Texel Shading takes its levels from the pixels of findVisible's views, whatever these are, and fails with
-  /// any option.
+  /// Texel Shading takes its levels from the pixels of findVisible's views, whatever these are, and fails
+  /// with any option.
   Result<void> place(std::span<const View> views, const PlaceOptions& options = {});
   /// Shades every placed patch, as seen from `view`'s eye. For several views: once, from between them.
   void shade(const View& view, const ShadeOptions& options = {});
@@ -118,11 +119,17 @@ class Engine {
   /// vertex a pixel. `from` is the view that forward drew. The surface has no gaps: it is drawn out between
   /// near and far, and beyond the picture's edges it goes on as far again as the picture is wide and high.
   Result<void> warp(const View& from, const View& to);
-  /// Another atlas in place of the one there is, with the same format; what that one held is lost. Fails, and
-  /// leaves the old one, where such an atlas cannot be made.
+  /// Another atlas in place of the one there is; what that one held is lost. Fails, and leaves the old one,
+  /// where such an atlas cannot be made. With memory options alone, a rectangular one keeps its format.
   Result<void> remakeAtlas(const RectMemoryOptions& memory);
+  Result<void> remakeAtlas(const RectAtlasOptions& rect);
   Result<void> remakeAtlas(const TessAtlasOptions& tess);
   Result<void> remakeAtlas(const TexelAtlasOptions& texel);
+  /// Shadow maps of another size (see EngineOptions::shadowSize), from the next update() on. Fails, and
+  /// changes nothing, for a size out of range.
+  Result<void> setShadowSize(int texels);
+  /// See EngineOptions::shadowFilter.
+  void setShadowFilter(bool filter);
   /// Another way to spawn the samples of what is placed; without effect on any but the tessellation gatherer.
   /// Fails, and changes nothing, where check(spawn) does or a program does not compile.
   Result<void> setSpawn(const TessSpawn& spawn);
@@ -175,8 +182,8 @@ class Engine {
   /// Longest edge to height of such a triangle (an id that is not 0), as the view's eye sees it: what makes
   /// it slanted. 0 where it is no longer than a pixel.
   [[nodiscard]] double slantOf(std::uint32_t id, const View& view) const;
-  /// Texels of live blocks that are not finite, in an atlas of AtlasFormat::Rgba16f; blocking readback. 0 for
-  /// Srgb8, which cannot hold such a value.
+  /// Texels of live blocks that are not finite, in an atlas of floats (AtlasFormat::Rgba16f, R11g11b10f); blocking
+  /// readback. 0 for the other formats, which cannot hold such a value.
   [[nodiscard]] std::uint64_t nonFiniteTexels() const;
   /// Bytes of GPU memory by purpose: "geometry", "textures", "atlas", "targets", "shadow-map".
   [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> memory() const;

@@ -43,7 +43,8 @@ struct BatchPrograms {
   const gl::Program* idLayers = nullptr;  // from the first call with several views on
   const gl::Program* depthOnly = nullptr;
   const gl::Program* shadow = nullptr;
-  const gl::Program* display = nullptr;
+  std::vector<const gl::Program*>
+      display;  // of each list that the gatherer displays, see Gatherer::drawBatches
 };
 
 /// A BLEND instance and its program.
@@ -65,9 +66,11 @@ struct Engine::State {
   BarrierTracker barriers;
   DrawScene draw;
   SceneBuffers buffers;
-  glm::dvec3 anchor{0.0};
+  glm::dvec3 anchor{0.0};        // what positions on the GPU are relative to; see anchorFor
+  glm::dvec3 placedAnchor{0.0};  // of what the gatherer emitted last
 
   SceneState now;
+  double time = 0.0;  // of the last update, seconds
   bool updated = false;
   std::vector<Box> bounds;  // of draw.instances, relative to the anchor
   std::vector<bool> mirrored;
@@ -171,6 +174,14 @@ struct Engine::State {
   [[nodiscard]] glm::vec4 encodedBackground() const;
   void bindScene();
   void setViews(std::span<const View> views);
+  /// Where floats are fine enough for a view: the scene's centre, or for an eye far from it the nearest point
+  /// of a wide grid around it. Of the eye alone, so that the same view has the same picture whatever came
+  /// before.
+  [[nodiscard]] glm::dvec3 anchorFor(const View& view) const;
+  /// Positions on the GPU become relative to another anchor, but for what a gatherer emitted.
+  void moveAnchor(const glm::dvec3& to);
+  void writeInstances();
+  void writeLights();
   /// The permutation of the measuring pass for these options; null for the plain one.
   Result<const gl::Program*> measureProgram(const PlaceOptions& placing);
   /// Uploads and binds what that permutation reads of each view.
@@ -183,6 +194,9 @@ struct Engine::State {
   /// Draws all of a list with depth-only or id programs, material by material only where the alpha test needs
   /// it.
   void drawDepthList(const DrawList& list, const gl::Program* BatchPrograms::*program, bool cull, int layer);
+  /// A layer for each that the lights ask for, of the options' size; all are drawn at the next drawShadows().
+  void makeShadowMap();
+  void filterShadowMap();
   void drawShadows();
   void drawTransparent(const View& view, const char* passName, const gl::Texture& depth);
 };

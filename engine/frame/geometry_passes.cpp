@@ -111,6 +111,24 @@ void Engine::State::drawDepthList(const DrawList& list, const gl::Program* Batch
   }
 }
 
+void Engine::State::filterShadowMap() {
+  const GLint filter = options.shadowFilter ? GL_LINEAR : GL_NEAREST;
+  shadowMap.filter(filter, filter);
+}
+
+void Engine::State::makeShadowMap() {
+  const int size = options.shadowSize;
+  shadowFramebuffers.clear();
+  shadowMap = gl::Texture(GL_DEPTH_COMPONENT32F, size, size, 1, static_cast<int>(lights.layers.size()));
+  filterShadowMap();
+  shadowMap.wrap(GL_CLAMP_TO_EDGE);
+  shadowMap.set(GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  shadowMap.set(GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  for (std::size_t i = 0; i < lights.layers.size(); ++i)
+    shadowFramebuffers.emplace_back(std::span<const gl::Texture* const>{}, &shadowMap, static_cast<int>(i));
+  uploadedLights.clear();
+}
+
 void Engine::State::drawShadows() {
   if (!features.shadows) return;
   // A static scene under lights that stand still keeps its shadow map.
@@ -150,6 +168,7 @@ void Engine::findVisible(std::span<const View> views) {
   State& s = *s_;
   if (!s.visible || views.empty()) return;
   const auto guard = s.guard();
+  s.moveAnchor(s.anchorFor(views.front()));
   s.bindScene();
   s.visible->begin();
   s.gatherer()->beginViews();
@@ -193,6 +212,7 @@ void Engine::findVisible(std::span<const View> views) {
 void Engine::forward(const View& view, bool depthPrepass) {
   State& s = *s_;
   const auto guard = s.guard();
+  s.moveAnchor(s.anchorFor(view));
   s.bindScene();
   s.setViews({&view, 1});
   s.beginPicture(view);

@@ -33,7 +33,7 @@ double farthest(const Box& bounds, const glm::dvec3& from) {
 
 void addDirectional(const LightSample& light, const Box& bounds, const glm::dvec3& anchor, int size,
                     LightSet& set) {
-  const double radius = std::max(bounds.diagonal() * 0.5, 1e-3);
+  const double radius = std::max(bounds.diagonal() * 0.5, 1e-9);
   const glm::dvec3 centre = bounds.centre() - anchor;
   const glm::dmat4 view = glm::lookAtRH(centre - light.direction * radius, centre, anyUp(light.direction));
   const glm::dmat4 projection = glm::orthoRH_ZO(-radius, radius, -radius, radius, 0.0, 2.0 * radius);
@@ -70,10 +70,24 @@ void addPoint(const LightSample& light, const Box& bounds, const glm::dvec3& anc
 
 }  // namespace
 
+glm::vec3 boundedRadiance(const glm::vec3& radiance) {
+  constexpr float kLargest = 1e12f;
+  glm::vec3 bounded(0.0f);
+  for (int i = 0; i < 3; ++i)
+    if (radiance[i] > 0.0f) bounded[i] = std::min(radiance[i], kLargest);
+  return bounded;
+}
+
 LightSet buildLights(const std::vector<LightSample>& lights, const Box& bounds, const glm::dvec3& anchor,
                      int shadowSize) {
   LightSet set;
-  for (const LightSample& light : lights) {
+  for (LightSample light : lights) {
+    light.radiance = boundedRadiance(light.radiance);
+    const glm::dvec3& at = light.position;
+    if (!std::isfinite(at.x) || !std::isfinite(at.y) || !std::isfinite(at.z)) {
+      light.position = anchor;
+      light.radiance = glm::vec3(0.0f);
+    }
     glsl::LightGpu gpu{};
     const float inverse = light.range > 0.0f ? 1.0f / (light.range * light.range) : 0.0f;
     gpu.position = glm::vec4(glm::vec3(light.position - anchor), inverse);

@@ -24,8 +24,12 @@ struct LightSet {
   std::vector<glsl::ShadowGpu> shadows;
 };
 
+/// Within 0 and what the products of shading can hold as floats; 0 for what is not a number.
+glm::vec3 boundedRadiance(const glm::vec3& radiance);
+
 /// GPU records of the lights and the shadow layers they need. `bounds` is what a directional light must cover
-/// and how far an unlimited light reaches, world space; `shadowSize` the side of a layer in texels.
+/// and how far an unlimited light reaches, world space; a light whose place is not finite is dark;
+/// `shadowSize` the side of a layer in texels.
 LightSet buildLights(const std::vector<LightSample>& lights, const Box& bounds, const glm::dvec3& anchor,
                      int shadowSize);
 

@@ -61,7 +61,7 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
   const auto has = [&](const char* name) { return graph.find(name) != nullptr; };
   struct Chosen {
     const gl::Program* gather = nullptr;
-    const gl::Program* display = nullptr;
+    std::vector<const gl::Program*> display;
   };
   std::vector<Chosen> chosen;
   for (const BatchPrograms& batch : batchPrograms) {
@@ -82,13 +82,16 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
       c.gather = *program;
     }
     if (has("display")) {
-      gl::Defines defines = definesOf(batch.depth);
-      if (triangles) defines.merge(TessAtlas::displayDefines(wanted.tess));
-      if (charts) defines.emplace("CHARTS", "1");
-      auto program = triangles ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, defines)
-                               : programs.get({"pass/display.vert", "pass/display.frag"}, defines);
-      if (!program) return tl::unexpected(program.error());
-      c.display = *program;
+      for (std::uint32_t list = 0; list < (triangles ? glsl::kDisplayLists : 1); ++list) {
+        gl::Defines defines = definesOf(batch.depth);
+        if (triangles) defines.merge(TessAtlas::displayDefines(wanted.tess));
+        if (triangles) defines.emplace("LIST", std::to_string(list));
+        if (charts) defines.emplace("CHARTS", "1");
+        auto program = triangles ? programs.get({"pass/tess_display.vert", "pass/tess_display.frag"}, defines)
+                                 : programs.get({"pass/display.vert", "pass/display.frag"}, defines);
+        if (!program) return tl::unexpected(program.error());
+        c.display.push_back(*program);
+      }
     }
     chosen.push_back(c);
   }
@@ -96,7 +99,7 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
     gl::Defines defines;
     if (triangles) defines = TessAtlas::displayDefines(wanted.tess);
     // The image is written as it is: a linear atlas must be encoded in the shader.
-    if (format == AtlasFormat::Rgba16f) defines["LINEAR_ATLAS"] = "1";
+    if (format != AtlasFormat::Srgb8) defines["LINEAR_ATLAS"] = "1";
     if (triangles) defines.emplace("TRIANGLES", "1");
     if (charts) defines.emplace("CHARTS", "1");
     auto program = programs.get({"pass/display_deferred.comp"}, defines);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "glsl/shared/bindings.h"
 
@@ -143,6 +144,10 @@ std::vector<glsl::InstanceGpu> instanceRecords(const Scene& scene, const DrawSce
           glm::dvec4(world[0][row], world[1][row], world[2][row], world[3][row] - anchor[row]));
       (row == 0 ? gpu.row0 : row == 1 ? gpu.row1 : gpu.row2) = values;
     }
+    // An animation may take a node past what floats hold: it then shows nothing, as a point.
+    const float sum =
+        glm::dot(glm::abs(gpu.row0) + glm::abs(gpu.row1) + glm::abs(gpu.row2), glm::vec4(1e-3f));
+    if (!std::isfinite(sum)) gpu.row0 = gpu.row1 = gpu.row2 = glm::vec4(0.0f);
     gpu.patchBase = patchBase;
     gpu.patchOffset = draw.patchOffset[instance.primitive];
     gpu.pairs = set.pairs;

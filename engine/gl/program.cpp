@@ -143,6 +143,20 @@ void dispatchOver(int width, int height, int side) {
                         static_cast<GLuint>((height + side - 1) / side), 1);
 }
 
+void dispatchIndirect(const Buffer& groups, std::size_t offset) {
+  api().BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups.get());
+  api().DispatchComputeIndirect(static_cast<GLintptr>(offset));
+}
+
+Result<void> ProgramCache::getAll(std::initializer_list<Wanted> wanted) {
+  for (const Wanted& want : wanted) {
+    auto program = get({want.path}, want.defines);
+    if (!program) return tl::unexpected(program.error());
+    *want.program = *program;
+  }
+  return {};
+}
+
 Result<const Program*> ProgramCache::get(const std::vector<std::string>& paths, const Defines& defines) {
   std::string key;
   for (const std::string& path : paths) key += (key.empty() ? "" : " + ") + path;

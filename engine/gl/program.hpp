@@ -1,6 +1,7 @@
 // Shader programs from the embedded GLSL: includes, permutations by defines, per-context version lines.
 #pragma once
 
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <string>
@@ -48,6 +49,8 @@ class Program {
 
 /// Runs the compute program in use with a thread for each of width x height pixels, in groups of side x side.
 void dispatchOver(int width, int height, int side = 8);
+/// Runs it with the group counts, a uvec3, at `offset` of a buffer.
+void dispatchIndirect(const Buffer& groups, std::size_t offset = 0);
 
 /// Programs by files and defines, each compiled once and kept.
 class ProgramCache {
@@ -55,6 +58,13 @@ class ProgramCache {
   explicit ProgramCache(const Context& context) : context_(&context) {}
   /// The program, compiled on first use. The reference lives as long as the cache.
   Result<const Program*> get(const std::vector<std::string>& paths, const Defines& defines = {});
+  /// A program and where its reference goes.
+  struct Wanted {
+    const Program** program;
+    std::string path;
+    Defines defines = {};
+  };
+  Result<void> getAll(std::initializer_list<Wanted> wanted);
   /// "shade.frag NORMAL_MAP SHADOWS" of every program compiled so far, in order of compilation.
   [[nodiscard]] const std::vector<std::string>& compiled() const { return compiled_; }
 

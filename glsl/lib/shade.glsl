@@ -5,7 +5,7 @@
 #include "shared/scene.h"
 #include "shared/material.h"
 #include "shared/tone.h"
-#include "lib/normal.glsl"
+#include "shared/normal.h"
 #include "lib/brdf.glsl"
 
 #include "lib/material.glsl"
@@ -192,9 +192,11 @@ vec4 shadeSurface(Surface s, vec4 base) {
 #endif
   metallic = clamp(metallic, 0.0, 1.0);
   roughness = clamp(roughness, 0.0, 1.0);
+  // A surface reflects at most what it gets; past 1, Fresnel's 1 - f0 turns the sign of the rest.
+  vec3 albedo = clamp(base.rgb, 0.0, 1.0);
   Lobe lobe;
-  lobe.diffuse = base.rgb * (1.0 - metallic);
-  lobe.f0 = mix(vec3(0.04), base.rgb, metallic);
+  lobe.diffuse = albedo * (1.0 - metallic);
+  lobe.f0 = mix(vec3(0.04), albedo, metallic);
   lobe.alpha = max(roughness * roughness, kMinAlpha);
   float nv = clamp(dot(n, v), 1e-4, 1.0);
 

@@ -2,7 +2,7 @@
 #define STAGE_VERTEX
 #include "shared/bindings.h"
 #include "shared/scene.h"
-#include "lib/normal.glsl"
+#include "shared/normal.h"
 #include "lib/varyings.glsl"
 
 #include "lib/instance.glsl"

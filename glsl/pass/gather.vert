@@ -3,7 +3,7 @@
 #include "shared/bindings.h"
 #include "shared/scene.h"
 #include "shared/blocks.h"
-#include "lib/normal.glsl"
+#include "shared/normal.h"
 #include "lib/varyings.glsl"
 
 layout(std430, binding = BIND_NORMALS) readonly buffer Normals { float normals[]; };

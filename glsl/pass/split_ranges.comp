@@ -14,6 +14,7 @@ void main() {
     commands[batch].first += 3u * before;  // vertices of display
     commands[uBatches + batch].first += 12u * before;  // of gathering by rasterization
     commands[2u * uBatches + batch].first += before;
+    for (uint list = 0u; list < kDisplayLists; ++list) commands[(3u + list) * uBatches + batch].first += 3u * before;
     batches[batch].firstEntry = commands[batch].first / 3u;
     before += piecesOfBatch[batch];
   }

@@ -1,4 +1,5 @@
-// The display stage of the tessellation gatherer: decodes a fragment's place in its triangle, and one fetch.
+// The display stage of the tessellation gatherer: a fragment's place in its triangle's samples, and one fetch. LIST is the
+// list that is drawn, see kDisplayAffine.
 #include "shared/bindings.h"
 #include "shared/scene.h"
 #include "shared/material.h"
@@ -8,16 +9,28 @@
 
 layout(binding = UNIT_ATLAS) uniform sampler2D uAtlas;
 layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;  // 1 / size of the atlas texture
-layout(location = 2) in vec3 vWeighted;
-layout(location = 3) flat in uvec3 vShape;
-layout(location = 4) flat in uvec4 vPlaces;  // two places, whether it is split, entry
+layout(location = 2) in vec4 vPoint;
+layout(location = 3) flat in uvec2 vPlace;
 layout(location = 0) out vec4 oColor;
+
+vec2 atlasTexel() {
+#if LIST == 0
+  bool far = vPoint.y >= 0.0;
+  // A fragment's centre lies in the triangle but for rounding.
+  vec2 at = max(vec2(far ? vPoint.y : vPoint.x, vPoint.z), vec2(0.0)) / vPoint.w;
+  uint place = far ? vPlace.y : vPlace.x;
+  return overAtlasAt(at, uvec2(placeX(place), placeY(place)), placeTurned(place) != 0u);
+#elif LIST == 1
+  vec2 at = L_DECODE(evenOf(vPoint.xyz), vPlace.y);
+  return lAtlasAt(at, uvec2(placeX(vPlace.x), placeY(vPlace.x)), vPlace.y, placeTurned(vPlace.x) != 0u);
+#else
+  return atlasOfEntry(vPlace.x, vPoint.xyz);
+#endif
+}
 
 void main() {
 #ifdef MASK
   if (maskedOut()) discard;
 #endif
-  vec2 texel = vPlaces.z != 0u ? atlasOfEntry(vPlaces.w, vWeighted)
-                               : atlasOfEven(TessShape(vShape.x, vShape.y, vShape.z), vPlaces.x, vPlaces.y, evenOf(vWeighted));
-  oColor = vec4(textureLod(uAtlas, texel * uTexelToUv, 0.0).rgb, 1.0);
+  oColor = vec4(textureLod(uAtlas, atlasTexel() * uTexelToUv, 0.0).rgb, 1.0);
 }

@@ -48,6 +48,8 @@
 #define BIND_TESS_GROUPS 14  // TessGroups[batches]
 #define BIND_TESS_PIECES 15  // uvec2[]
 #define BIND_TESS_SAMPLES 16 // uint[samples]: entry of each
+// and when it writes what display draws:
+#define BIND_TESS_CORNERS 16 // TessCorner[3 * triangles]
 
 // and when it splits triangles, of those that memory phases use:
 #define BIND_SPLIT_STATE 9      // TessSplitState, uint[batches]: pieces of each

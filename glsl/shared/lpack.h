@@ -127,11 +127,17 @@ SHARED_FN vec2 lUnfold(uint tip, vec2 at, uint level) {
 
 SHARED_FN uint largestOf(vec3 p) { return p[0] >= p[1] && p[0] >= p[2] ? 0u : (p[1] >= p[2] ? 1u : 2u); }
 
+// Coordinates of the corners that come after a tip and before it.
+SHARED_FN vec2 aroundTip(vec3 p, uint tip) {
+  return vec2(tip == 0u ? p[1] : (tip == 1u ? p[2] : p[0]), tip == 0u ? p[2] : (tip == 1u ? p[0] : p[1]));
+}
+
 // Row and column of Hladky 2019, eq. 4, as x (towards the next corner) and y in the tip's square. `p` sums
 // to 1.
 SHARED_FN vec2 lSquareAt(vec3 p, uint tip, uint level) {
-  float next = p[int((tip + 1u) % 3u)];
-  float previous = p[int((tip + 2u) % 3u)];
+  vec2 around = aroundTip(p, tip);
+  float next = around.x;
+  float previous = around.y;
   float least = min(next, previous);
   float row = least * float(3u * level) * kTessRound;
   float column = (max(next, previous) + least * kTessRound) * float(level);
@@ -171,8 +177,9 @@ SHARED_FN vec2 lDecodeExact(vec3 p, uint level) {
     return vec2(float(middle) + s, float(middle) + v);
   }
   if (max(plain.x, plain.y) >= ring + float(1) || ring >= float(middle)) return lUnfold(tip, plain, level);
-  float u = at[int((tip + 1u) % 3u)] * float(level) - start;
-  float v = at[int((tip + 2u) % 3u)] * float(level) - start;
+  vec2 around = aroundTip(at, tip) * float(level) - vec2(start);
+  float u = around.x;
+  float v = around.y;
   float difference = u - v;
   float a = float(1) + difference / float(3);
   float s = float(3) * kTessRound * (a - sqrt(max(a * a - u * float(4) / float(3), float(0))));

@@ -274,6 +274,17 @@ SHARED_FN OverPoint overDecode(vec3 p, OverShape shape) {
   return point;
 }
 
+// Block coordinates are linear in even coordinates on each side of the height. Those of a corner of the triangle in half
+// `side`, beyond the block where the corner is the other half's: x of half 1 is negative where a point is half 0's.
+SHARED_FN vec2 overCornerAt(uint corner, uint side, OverShape shape) {
+  float foot = overFoot(shape);
+  float along = corner == shape.apex ? foot : (corner == (shape.apex + 2u) % 3u ? float(1) : float(0));
+  float x = along;
+  if (shape.rows > 1u) x = side == 1u ? (along - foot) / (float(1) - foot) : (foot - along) / foot;
+  float y = corner == shape.apex ? float(shape.rows - 1u) : float(0);
+  return vec2(x * float(overColumns(shape, side) - 1u), y);
+}
+
 // Atlas texels of a point of a block, and of one of its texels; `corner` of overCorner.
 SHARED_FN vec2 overAtlasAt(vec2 at, uvec2 corner, bool turned) {
   return vec2(float(corner.x), float(corner.y)) + (turned ? -at : at) + vec2(kOverHalf);

@@ -222,12 +222,33 @@ struct TessEntry {
   uint firstPiece;  // number of its first piece
 };
 
-// A corner of one: all that display needs of it. `w` is its weight for perspective, see perspective_map.h.
+// A corner of one. `w` is its weight for perspective, see perspective_map.h.
 struct TessVertex {
   float x;  // world, relative to the anchor
   float y;
   float z;
   float w;
+};
+
+// What display draws: a list for each way to find a point's place, since a branch that only some pixels take costs all of
+// them where invocations run in step.
+SHARED_CONST uint kDisplayAffine = 0u;  // Oversampling, and one texel
+SHARED_CONST uint kDisplayL = 1u;
+SHARED_CONST uint kDisplaySplit = 2u;
+SHARED_CONST uint kDisplayLists = 3u;
+
+// A corner in such a list. a, b and c, times w, are interpolated with perspective and divided by w's sum.
+struct TessCorner {
+  float x;  // world, relative to the anchor
+  float y;
+  float z;
+  float w;  // weight for perspective
+  float a;  // affine: x in half 0 and in half 1, y in either (see overCornerAt); else which corner this is, in even
+  float b;  // coordinates; all times w
+  float c;
+  uint place0;  // affine: texel (0, 0) of half 0, see packPlace; L: its place; split: entry
+  uint place1;  // affine: that of half 1; L: level
+  uint vertex;  // index into the scene's vertices
 };
 
 // Indirect arguments of gathering by compute, and how many samples they are for.
@@ -257,5 +278,6 @@ static_assert(sizeof(tessera::glsl::TessState) == 32);
 static_assert(sizeof(tessera::glsl::TessBin) == 44);
 static_assert(sizeof(tessera::glsl::TessEntry) == 48);
 static_assert(sizeof(tessera::glsl::TessVertex) == 16);
+static_assert(sizeof(tessera::glsl::TessCorner) == 40);
 #endif
 #endif

@@ -100,16 +100,18 @@ SHARED_FN bool overWithin(OverShape held, OverShape least, OverShape most) {
 
 // The shape under two biases, log2 of area. `pressure` is taken off what the limits leave of the triangle: else those past
 // them would not shrink at all. `previous` is kept while it is one for lengths within `hysteresis` (in log2)
-// of the triangle's; pass hysteresis < 0 for none.
+// of the triangle's; pass hysteresis < 0 for none. Likewise a triangle stays slanted, or not, near the threshold.
 SHARED_FN TessShape selectShape(TessMeasure measure, float bias, float pressure, TessLimits limits, TessShape previous,
                                 float hysteresis) {
+  float slack = hysteresis >= kLevelZero ? exp2(hysteresis) : kLevelOne;
+  uint kind = kindOf(previous.kind);
+  if (kind == kTessL) limits.slanted *= slack;
+  if (kind == kTessOver) limits.slanted /= slack;
   float scale = scaleWithin(measure, exp2(-kLevelHalf * clamp(bias, -kLargestBias, kLargestBias)), limits) *
                 exp2(-kLevelHalf * clamp(pressure, -kLargestBias, kLargestBias));
   if (!(hysteresis >= kLevelZero)) return shapeAt(measure, scale, limits);
-  float slack = exp2(hysteresis);
   TessShape low = shapeAt(measure, scale / slack, limits);
   TessShape high = shapeAt(measure, scale * slack, limits);
-  uint kind = kindOf(previous.kind);
   bool keeps = false;
   if (kind == kTessSingle) {
     keeps = kindOf(low.kind) == kTessSingle;

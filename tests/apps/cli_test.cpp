@@ -24,11 +24,29 @@ using test::slurp;
 
 TEST_F(Cli, HelpIsThereForEach) {
   EXPECT_EQ(run("--help").code, 0);
-  for (const char* command : {"render", "info", "compare", "atlas-bench"}) {
+  for (const char* command : {"render", "info", "compare", "atlas-bench", "stability"}) {
     const Ran ran = run(std::string(command) + " --help");
     EXPECT_EQ(ran.code, 0);
     EXPECT_NE(ran.out.find("--context"), std::string::npos) << command;
   }
+}
+
+TEST_F(Cli, StabilityIsAListOfCases) {
+  const Ran ran = run("stability --json --only metrics/ --only levels/pressure");
+  ASSERT_EQ(ran.code, 0) << ran.error << ran.out;
+  const auto json = nlohmann::json::parse(ran.out);
+  ASSERT_GE(json["cases"].size(), 8U);
+  for (const auto& entry : json["cases"]) {
+    for (const char* field : {"name", "why", "unit"})
+      EXPECT_FALSE(entry[field].get<std::string>().empty()) << field;
+    EXPECT_TRUE(entry["passed"].get<bool>()) << entry;
+    EXPECT_TRUE(entry["worst"].is_number() && entry["bound"].is_number()) << entry;
+  }
+  const Ran list = run("stability --list");
+  EXPECT_EQ(list.code, 0);
+  EXPECT_GE(std::count(list.out.begin(), list.out.end(), '\n'), 60);
+  expectRefused("stability --only nothing-of-that-name", "nothing-of-that-name");
+  expectRefused("stability --context vulkan", "vulkan");
 }
 
 TEST_F(Cli, BadArgumentsAreNamed) {

@@ -814,6 +814,41 @@ TEST_F(Memory, EverySmallestBlockWorks) {
   EXPECT_EQ(feed.memory.readStatistics().bias, glsl::kLargestBias);
 }
 
+TEST(SuperblockOf, AnAtlasHasRoomForSixteenWhereItCan) {
+  EXPECT_EQ(superblockLog2Of(4096, 2048), 8);
+  EXPECT_EQ(superblockLog2Of(1024, 1024), 8);
+  EXPECT_EQ(superblockLog2Of(1024, 512), 7);
+  EXPECT_EQ(superblockLog2Of(512, 256), 6);
+  EXPECT_EQ(superblockLog2Of(16384, 64), 6);
+  EXPECT_EQ(superblockLog2Of(4, 2), 1);
+  EXPECT_EQ(superblockLog2Of(0, 0), 1);
+  for (int log2 = 3; log2 <= 14; ++log2) {
+    const int side = 1 << log2;
+    const int superblock = 1 << superblockLog2Of(side, side);
+    EXPECT_GE(side / superblock * (side / superblock), std::min(16, side * side / 4)) << side;
+    if (superblock < 256) {
+      EXPECT_LT(side / (2 * superblock) * (side / (2 * superblock)), 16) << side;
+    }
+  }
+}
+
+// An atlas of the smallest size for what is visible: with two superblocks for eight widths most find no memory.
+TEST_F(Memory, SmallAtlasHasPlaceForBlocksOfAllWidths) {
+  gl::ProgramCache programs(test::context());
+  RectMemoryOptions options;
+  options.width = 512;
+  options.height = 256;
+  auto made = RectMemory::create(programs, options, 10);
+  ASSERT_TRUE(made);
+  const MemorySnapshot snapshot = made->readSnapshot();
+  EXPECT_EQ(snapshot.superblockLog2, 6u);
+  EXPECT_EQ(snapshot.freeSuperblocks.size(), 32u);
+  options.smallestLog2 = 7;
+  made = RectMemory::create(programs, options, 10);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->readSnapshot().superblockLog2, 7u);
+}
+
 TEST_F(Memory, BadOptionsAreNamed) {
   gl::ProgramCache programs(test::context());
   const auto message = [&](auto change, std::uint32_t patches = 10) {

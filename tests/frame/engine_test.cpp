@@ -92,7 +92,7 @@ void expectExactCoverage(Engine& engine) {
   gl::api().ProgramUniform2f(program, LOCATION_SIZE, 2.0f / static_cast<float>(atlas.width()),
                              2.0f / static_cast<float>(atlas.height()));
   engine.atlas()->bind();
-  engine.atlas()->drawBatches(0, static_cast<std::uint32_t>(engine.drawScene().batches.size()));
+  engine.atlas()->drawBatches(0, static_cast<std::uint32_t>(engine.drawScene().batches.size()), 0);
   const auto bytes = gl::readTexture(counts, GL_RED, GL_FLOAT, sizeof(float));
   gl::api().DeleteProgram(program);
   std::vector<float> drawn(bytes.size() / sizeof(float));
@@ -410,6 +410,7 @@ TEST_F(EngineGl, OutOfMemoryLosesDetailAndNothingElse) {
   EngineOptions options = smallAtlas();
   options.atlas.memory.width = 256;
   options.atlas.memory.height = 256;
+  options.atlas.memory.superblockLog2 = 8;  // one, for blocks of one width
   options.atlas.memory.pressureBias = false;
   auto engine = make(cornerScene(), options);
   ASSERT_TRUE(engine);

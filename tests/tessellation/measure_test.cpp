@@ -343,6 +343,25 @@ TEST(TessMeasure, PressureIsTakenOffWhatTheLimitsLeave) {
 }
 
 // What a camera's trembling does: lengths that change by less than the hysteresis never change the shape.
+TEST(TessMeasure, TrianglesNearTheThresholdStayWhatTheyAre) {
+  const auto kind = [](float ratio, uint before, float hysteresis) {
+    const float half = 20.0f;
+    const TessMeasure m = measure({-half / kPixels, 0, -1}, {half / kPixels, 0, -1}, {0, 2 * half / ratio / kPixels, -1});
+    const TessShape previous = before == glsl::kTessL ? TessShape{glsl::kindOfL(30), 0, 0} : TessShape{before, 0, 0};
+    return glsl::kindOf(glsl::selectShape(m, 0.0f, 0.0f, kSlanted, previous, hysteresis).kind);
+  };
+  for (const uint before : {glsl::kTessNone, glsl::kTessL, glsl::kTessOver}) {
+    // Past the threshold of 4 by more than a factor of 2^0.1 = 1.07, or not.
+    EXPECT_EQ(kind(4.5f, before, 0.1f), glsl::kTessOver);
+    EXPECT_EQ(kind(3.6f, before, 0.1f), glsl::kTessL);
+    const bool was = before == glsl::kTessOver;
+    EXPECT_EQ(kind(4.1f, before, 0.1f), before == glsl::kTessL ? glsl::kTessL : glsl::kTessOver);
+    EXPECT_EQ(kind(3.9f, before, 0.1f), was ? glsl::kTessOver : glsl::kTessL);
+    EXPECT_EQ(kind(4.1f, before, -1.0f), glsl::kTessOver);
+    EXPECT_EQ(kind(3.9f, before, -1.0f), glsl::kTessL);
+  }
+}
+
 TEST(TessMeasure, HysteresisKeepsTheShapeThatATriangleHas) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);

@@ -244,6 +244,37 @@ TEST(Oversample, EveryTapIsATexelOfTheTriangleAndLinearFunctionsAreReproduced) {
   std::printf("off by %.2g of the range\n", static_cast<double>(worst));
 }
 
+// What display interpolates over the triangle, against decoding a point.
+TEST(Oversample, BlockCoordinatesAreLinearBetweenCorners) {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  double worst = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    const float base = std::exp2(1.0f + 9.0f * unit(random));
+    const float height = base * 0.8f * std::exp2(-6.0f * unit(random));
+    const OverShape shape = glsl::overShapeOf(edgesOf(base, height, unit(random), static_cast<int>(random() % 3)), height);
+    const uint near = shape.columns0 > 0 ? 0 : 1;
+    const uint far = shape.columns1 > 0 ? 1 : 0;
+    for (int point = 0; point < 20; ++point) {
+      const glm::vec3 b = test::randomBary(random);
+      glm::dvec3 at(0.0);
+      for (uint c = 0; c < 3; ++c) {
+        const glm::vec2 y = glsl::overCornerAt(c, far, shape);
+        ASSERT_EQ(y.y, glsl::overCornerAt(c, near, shape).y);
+        at += static_cast<double>(b[static_cast<int>(c)]) * glm::dvec3(glsl::overCornerAt(c, near, shape).x, y);
+      }
+      const OverPoint found = glsl::overDecode(b, shape);
+      const bool onFar = at.y >= 0.0;
+      if (std::abs(at.y) <= 1e-2) continue;  // on the height itself either side will do
+      ASSERT_EQ(found.side, onFar ? far : near) << shape.columns0 << " " << shape.columns1;
+      worst = std::max({worst, std::abs((onFar ? at.y : at.x) - static_cast<double>(found.at.x)),
+                        std::abs(at.z - static_cast<double>(found.at.y))});
+    }
+  }
+  std::printf("off by %.2g texels\n", worst);
+  EXPECT_LE(worst, 1e-3);
+}
+
 TEST(Oversample, FlatTrianglesAreExactAlongTheBase) {
   // A function of the place along the base only is what one row must reproduce.
   std::mt19937 random(6);

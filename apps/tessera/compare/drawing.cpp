@@ -34,7 +34,7 @@ Result<void> useAtlas(Engine& engine, const Method& method) {
   if (!setup) return tl::unexpected(setup.error());
   return setup->gatherer == GathererKind::Tess    ? engine.remakeAtlas(setup->tess)
          : setup->gatherer == GathererKind::Texel ? engine.remakeAtlas(setup->texel)
-                                                  : engine.remakeAtlas(setup->atlas.memory);
+                                                  : engine.remakeAtlas(setup->atlas);
 }
 
 std::vector<View> eyesOf(const Method& method, const View& view, double eyeDistance) {

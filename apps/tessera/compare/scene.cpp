@@ -9,6 +9,7 @@
 
 #include "apps/tessera/compare/equal_samples.hpp"
 #include "apps/tessera/compare/runs.hpp"
+#include "apps/tessera/measured_scene.hpp"
 
 namespace tessera::app {
 
@@ -76,8 +77,6 @@ Result<std::vector<ReportCurvePoint>> curveOf(Runs& runs, const Method& method, 
 Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
                                  const std::vector<Method>& asked, const std::vector<Pvs>& pvs,
                                  const CompareOptions& options, glm::ivec2 size) {
-  auto stage = loadStageFor(options.stage, file);
-  if (!stage) return tl::unexpected(stage.error());
   auto setup = engineOptions(options.atlas);
   if (!setup) return tl::unexpected(setup.error());
   ReportScene report;
@@ -86,32 +85,21 @@ Result<ReportScene> compareScene(gl::Context& context, const std::string& file,
   {
     Progress loading(file);
     const auto step = [&](const std::string& text) { loading.step(text); };
-    auto scene = loadGltf(file, {.loadImages = true, .progress = step});
-    if (!scene) return tl::unexpected(scene.error());
-    CameraChoice camera = options.camera;
-    const Stage* lit = *stage ? &**stage : nullptr;
-    // Short runs see as much of the scene as long ones. Without a path, its first camera sees it, or one from
-    // outside.
-    if (auto covered = coverPath(camera, lit); !covered) return tl::unexpected(covered.error());
-    auto found = viewsOf(camera, *scene, lit, size);
-    if (!found) return tl::unexpected(found.error());
-    views = std::move(*found);
+    auto measured = loadMeasured(file, options.stage, options.camera, size, step);
+    if (!measured) return tl::unexpected(measured.error());
+    views = std::move(measured->views);
     report.file = file;
-    report.triangles = scene->triangleCount();
-    report.instances = scene->instances.size();
-    report.materials = scene->materials.size();
-    SceneState state;
-    evaluate(*scene, 0.0, state);
-    report.lights = evaluateLights(*scene, state, lit, 0.0).size();
-    report.note = fmt::format(
-        "{}; path {}; atlas {} x {}",
-        lit != nullptr ? "stage " + std::filesystem::path(lit->file).filename().string() : "no stage",
-        camera.path.empty() ? "none" : camera.path, setup->atlas.memory.width, setup->atlas.memory.height);
+    report.triangles = measured->scene.triangleCount();
+    report.instances = measured->scene.instances.size();
+    report.materials = measured->scene.materials.size();
+    report.lights = measured->lights;
+    report.note = fmt::format("{}; path {}; atlas {} x {}", measured->stageNote, measured->path,
+                              setup->atlas.memory.width, setup->atlas.memory.height);
     setup->request = requestOf(asked);
     setup->timePasses = true;
     setup->countFragments = true;
     setup->progress = step;
-    auto made = Engine::create(context, std::move(*scene), std::move(*stage), *setup);
+    auto made = Engine::create(context, std::move(measured->scene), std::move(measured->stage), *setup);
     if (!made) return tl::unexpected(made.error());
     engine = std::move(*made);
   }

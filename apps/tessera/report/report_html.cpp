@@ -18,26 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string base64(std::span<const std::uint8_t> bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8U | (k < count ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += k <= count ? kDigits[group >> (18U - 6U * static_cast<std::uint32_t>(k)) & 63U] : '=';
-  }
-  return out;
-}
-
-Json dataUri(std::span<const std::uint8_t> bytes) {
-  if (bytes.empty()) return nullptr;
-  constexpr std::uint8_t kPngStart = 0x89;
-  return std::string("data:image/") + (bytes[0] == kPngStart ? "png" : "jpeg") + ";base64," + base64(bytes);
-}
-
 // NaN becomes null when the JSON is written, which the charts show as a gap.
 Json methodData(const ReportMethod& method) {
   Json passes = Json::array();

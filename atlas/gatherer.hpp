@@ -17,7 +17,7 @@
 namespace tessera {
 
 enum class AtlasFormat : std::uint8_t {
-  Srgb8,   // display-encoded 8 bits a channel: what a video codec takes
+  Srgb8,      // display-encoded 8 bits a channel: what a video codec takes
   Rgba16f,    // linear half floats: nothing is lost, and a value that is not finite can be found
   Rgb10a2,    // linear 10 bits a channel: dark colours have fewer steps than encoded 8 bits
   R11g11b10f  // linear floats with 6, 6 and 5 bits of mantissa: half of Rgba16f's memory
@@ -99,8 +99,8 @@ class Gatherer {
   virtual void shadeBatch(const gl::Program& program, std::uint32_t batch) const = 0;
   /// After the last batch.
   virtual void endShading() const {}
-  /// Draws consecutive batches for display, with a display program in use. `list`: which part of what is visible;
-  /// each has a program of its own, and most gatherers have one list, 0.
+  /// Draws consecutive batches for display, with a display program in use. `list`: which part of what is
+  /// visible; each has a program of its own, and most gatherers have one list, 0.
   virtual void drawBatches(std::uint32_t first, std::uint32_t count, std::uint32_t list) const = 0;
 
   /// Whether its gather program draws over the texture, and takes LOCATION_SIZE.

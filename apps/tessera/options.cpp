@@ -71,7 +71,10 @@ void addAtlas(CLI::App& command, AtlasChoice& choice) {
     const int value = std::atoi(text.c_str());
     return value > 0 && (value & (value - 1)) == 0 ? std::string() : text + " is not a power of two";
   };
-  command.add_option("--superblock", choice.superblock, "texels a side of a superblock, 2 to 1024; else 256, less where the atlas has not room for 16")
+  command
+      .add_option(
+          "--superblock", choice.superblock,
+          "texels a side of a superblock, 2 to 1024; else 256, less where the atlas has not room for 16")
       ->check(CLI::Range(2, 1024))
       ->check(powerOfTwo);
   command
@@ -225,7 +228,8 @@ Result<EngineOptions> engineOptions(const AtlasChoice& choice) {
                                    AtlasFormat::Rgba16f};
   const auto& formats = atlasFormatNames();
   const auto format = std::find(formats.begin(), formats.end(), choice.format);
-  if (format == formats.end()) return fail("atlas format {}: not one of {}", choice.format, fmt::join(formats, ", "));
+  if (format == formats.end())
+    return fail("atlas format {}: not one of {}", choice.format, fmt::join(formats, ", "));
   options.atlas.format = kFormats.at(static_cast<std::size_t>(format - formats.begin()));
   options.tess.format = options.atlas.format;
   texel.format = options.atlas.format;

@@ -39,8 +39,8 @@ const std::vector<std::string>& gatherNames();
 /// Values of AtlasChoice::format.
 const std::vector<std::string>& atlasFormatNames();
 
-/// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or Texel
-/// Shading.
+/// What fills an atlas: rectangles, the tessellation gatherer with both of its ways to sample or one, or
+/// Texel Shading.
 enum class Sampling : std::uint8_t { Rect, Tess, LPack, Oversample, Texel };
 
 struct AtlasChoice {

@@ -21,10 +21,10 @@ enum class AtlasStrategy : std::uint8_t {
   S3   // and memory is never reset
 };
 
-/// log2 of the side of the superblocks that suit an atlas of `width` x `height` texels: 8, or the largest of which it holds 16. With fewer
-/// than there are widths of blocks, some widths find no superblock though most of the atlas is free. Measured with
-/// `tessera compare` on sponza and littlest_tokyo, 640 x 360, 0.0625 to 1 Mpix: this is the size of the best picture, or
-/// within 0.003 of MSSIM of it.
+/// log2 of the side of the superblocks that suit an atlas of `width` x `height` texels: 8, or the largest of
+/// which it holds 16. With fewer than there are widths of blocks, some widths find no superblock though most
+/// of the atlas is free. Measured with `tessera compare` on sponza and littlest_tokyo, 640 x 360, 0.0625 to 1
+/// Mpix: this is the size of the best picture, or within 0.003 of MSSIM of it.
 int superblockLog2Of(int width, int height);
 
 /// The defaults were measured with `tessera atlas-bench` over the tours of sponza and the atrium, 1000 frames

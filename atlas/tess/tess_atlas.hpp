@@ -102,7 +102,8 @@ class TessAtlas final : public Gatherer {
   gl::Buffer vertices_;  // TessVertex[3 * entries]
   gl::Buffer batches_;   // BatchGpu[batches], firstEntry as of this frame
   gl::Buffer corners_;   // TessCorner[3 * entries]
-  gl::Buffer commands_;  // TessCommand[(3 + kDisplayLists) * batches]: entries, raster, pieces, display's lists
+  gl::Buffer
+      commands_;  // TessCommand[(3 + kDisplayLists) * batches]: entries, raster, pieces, display's lists
   gl::Buffer emptyCommands_;
   gl::Buffer pieces_;   // uvec2[]: entry, first sample
   gl::Buffer starts_;   // uint[entries]

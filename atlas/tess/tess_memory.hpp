@@ -23,9 +23,10 @@ struct TessMemoryOptions {
   int quietFrames = 40;         // [0, 1e6]
   float highWater = 1.0f;       // (0, 1]; share of the atlas in cells beyond which memory is reset
   float hysteresis = 0.05f;     // [0, 1] in log2 of length; negative for none
-  /// [kAllSlanted, kNoneSlanted]; longest edge to height beyond which a triangle is slanted. At as many samples Ls are the
-  /// worse pictures (they have 1.73 samples a pixel of an equilateral triangle): of 1.3, 1.6, 2, 3 and 4 up to 1.6 is
-  /// best in sponza (MSSIM 0.963, 0.962, 0.959, 0.949), and has Ls where triangles are nearly equilateral.
+  /// [kAllSlanted, kNoneSlanted]; longest edge to height beyond which a triangle is slanted. At as many
+  /// samples Ls are the worse pictures (they have 1.73 samples a pixel of an equilateral triangle):
+  /// of 1.3, 1.6, 2, 3 and 4 up to 1.6 is best in sponza (MSSIM 0.963, 0.962, 0.959, 0.949), and has Ls where
+  /// triangles are nearly equilateral.
   float slanted = 1.6f;
   static constexpr float kAllSlanted = 0.5f;   // below what any triangle has
   static constexpr float kNoneSlanted = 1e9f;  // beyond what flat ones count as

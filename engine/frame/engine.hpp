@@ -182,8 +182,8 @@ class Engine {
   /// Longest edge to height of such a triangle (an id that is not 0), as the view's eye sees it: what makes
   /// it slanted. 0 where it is no longer than a pixel.
   [[nodiscard]] double slantOf(std::uint32_t id, const View& view) const;
-  /// Texels of live blocks that are not finite, in an atlas of floats (AtlasFormat::Rgba16f, R11g11b10f); blocking
-  /// readback. 0 for the other formats, which cannot hold such a value.
+  /// Texels of live blocks that are not finite, in an atlas of floats (AtlasFormat::Rgba16f, R11g11b10f);
+  /// blocking readback. 0 for the other formats, which cannot hold such a value.
   [[nodiscard]] std::uint64_t nonFiniteTexels() const;
   /// Bytes of GPU memory by purpose: "geometry", "textures", "atlas", "targets", "shadow-map".
   [[nodiscard]] std::vector<std::pair<std::string, std::size_t>> memory() const;

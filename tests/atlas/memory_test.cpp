@@ -832,7 +832,8 @@ TEST(SuperblockOf, AnAtlasHasRoomForSixteenWhereItCan) {
   }
 }
 
-// An atlas of the smallest size for what is visible: with two superblocks for eight widths most find no memory.
+// An atlas of the smallest size for what is visible: with two superblocks for eight widths most find no
+// memory.
 TEST_F(Memory, SmallAtlasHasPlaceForBlocksOfAllWidths) {
   gl::ProgramCache programs(test::context());
   RectMemoryOptions options;

@@ -312,7 +312,8 @@ TEST(AcuityMssim, EqualIsOneForAnyEye) {
     const Image image = noise(width, height, 5);
     for (const Foveation& eye : {Foveation{}, {{0.9, 0.1}, 0.1, 0.3}, {{-10.0, 3.0}, 10.0, 90.0}})
       EXPECT_NEAR(acuityMssim(image, image, kFovY, eye).value(), 1.0, 1e-12) << width << " x " << height;
-    EXPECT_FALSE(acuityMssim(image, image, kFovY, {{-50.0, 3.0}, 10.0, 90.0})) << "a gaze far from any picture";
+    EXPECT_FALSE(acuityMssim(image, image, kFovY, {{-50.0, 3.0}, 10.0, 90.0}))
+        << "a gaze far from any picture";
   }
 }
 

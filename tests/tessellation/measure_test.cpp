@@ -346,8 +346,10 @@ TEST(TessMeasure, PressureIsTakenOffWhatTheLimitsLeave) {
 TEST(TessMeasure, TrianglesNearTheThresholdStayWhatTheyAre) {
   const auto kind = [](float ratio, uint before, float hysteresis) {
     const float half = 20.0f;
-    const TessMeasure m = measure({-half / kPixels, 0, -1}, {half / kPixels, 0, -1}, {0, 2 * half / ratio / kPixels, -1});
-    const TessShape previous = before == glsl::kTessL ? TessShape{glsl::kindOfL(30), 0, 0} : TessShape{before, 0, 0};
+    const TessMeasure m =
+        measure({-half / kPixels, 0, -1}, {half / kPixels, 0, -1}, {0, 2 * half / ratio / kPixels, -1});
+    const TessShape previous =
+        before == glsl::kTessL ? TessShape{glsl::kindOfL(30), 0, 0} : TessShape{before, 0, 0};
     return glsl::kindOf(glsl::selectShape(m, 0.0f, 0.0f, kSlanted, previous, hysteresis).kind);
   };
   for (const uint before : {glsl::kTessNone, glsl::kTessL, glsl::kTessOver}) {

@@ -252,7 +252,8 @@ TEST(Oversample, BlockCoordinatesAreLinearBetweenCorners) {
   for (int i = 0; i < 4000; ++i) {
     const float base = std::exp2(1.0f + 9.0f * unit(random));
     const float height = base * 0.8f * std::exp2(-6.0f * unit(random));
-    const OverShape shape = glsl::overShapeOf(edgesOf(base, height, unit(random), static_cast<int>(random() % 3)), height);
+    const OverShape shape =
+        glsl::overShapeOf(edgesOf(base, height, unit(random), static_cast<int>(random() % 3)), height);
     const uint near = shape.columns0 > 0 ? 0 : 1;
     const uint far = shape.columns1 > 0 ? 1 : 0;
     for (int point = 0; point < 20; ++point) {
@@ -261,7 +262,8 @@ TEST(Oversample, BlockCoordinatesAreLinearBetweenCorners) {
       for (uint c = 0; c < 3; ++c) {
         const glm::vec2 y = glsl::overCornerAt(c, far, shape);
         ASSERT_EQ(y.y, glsl::overCornerAt(c, near, shape).y);
-        at += static_cast<double>(b[static_cast<int>(c)]) * glm::dvec3(glsl::overCornerAt(c, near, shape).x, y);
+        at +=
+            static_cast<double>(b[static_cast<int>(c)]) * glm::dvec3(glsl::overCornerAt(c, near, shape).x, y);
       }
       const OverPoint found = glsl::overDecode(b, shape);
       const bool onFar = at.y >= 0.0;

@@ -18,6 +18,13 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// Text that came from a file, fit for one line: control characters become question marks.
+inline std::string oneLine(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  return text;
+}
+
 /// Returns an error value with a formatted message: `return fail("{}: bad magic {:#x}", path, magic);`
 template <class... Args>
 tl::unexpected<Error> fail(fmt::format_string<Args...> format, Args&&... args) {

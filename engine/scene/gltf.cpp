@@ -131,7 +131,11 @@ std::vector<std::string> GltfWarnings::lines() const {
 Result<Scene> loadGltf(const fs::path& path, const GltfOptions& options) {
   // Every size is capped before it is allocated, but the machine may have less than the caps allow.
   try {
-    return load(path, options);
+    // Messages quote names, and names may hold anything.
+    auto scene = load(path, options);
+    if (!scene) return tl::unexpected(Error{oneLine(std::move(scene.error().message))});
+    for (std::string& warning : scene->warnings) warning = oneLine(std::move(warning));
+    return scene;
   } catch (const std::bad_alloc&) {
     return fail("{}: does not fit into memory", path.string());
   }

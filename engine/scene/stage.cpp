@@ -58,7 +58,7 @@ class Element {
   void complain(fmt::format_string<Args...> format, Args&&... args) const {
     if (*error_) return;
     const std::string what = fmt::format(format, std::forward<Args>(args)...);
-    *error_ = Error{fmt::format("{}: {}: {}", *file_, path_.empty() ? "top level" : path_, what)};
+    *error_ = Error{oneLine(fmt::format("{}: {}: {}", *file_, path_.empty() ? "top level" : path_, what))};
   }
 
   [[nodiscard]] const Json& value() const { return *value_; }
@@ -166,10 +166,10 @@ Result<Json> parseFile(const std::filesystem::path& path) {
   try {
     Json json = Json::parse(bytes->begin(), bytes->end(), watch);
     if (deep) return fail("{}: more than {} lists or objects within each other", path.string(), kMaxDepth);
-    if (repeated) return fail("{}: key {} is given twice in one object", path.string(), *repeated);
+    if (repeated) return fail("{}: key {} is given twice in one object", path.string(), oneLine(*repeated));
     return json;
   } catch (const Json::exception& exception) {
-    return fail("{}: not valid JSON: {}", path.string(), exception.what());
+    return fail("{}: not valid JSON: {}", path.string(), oneLine(exception.what()));
   }
 }
 

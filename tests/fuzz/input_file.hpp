@@ -37,4 +37,11 @@ class InputFile {
   std::filesystem::path path_;
 };
 
+/// A broken promise ends the run; the fuzzer then saves the input.
+inline void demand(bool holds, const std::string& what) {
+  if (holds) return;
+  std::fprintf(stderr, "broken: %s\n", what.c_str());
+  std::abort();
+}
+
 }  // namespace tessera::test

@@ -2,7 +2,7 @@
 # One command for each thing a newcomer wants. Every command does all the set-up it needs on a fresh Debian 12.
 #   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
 #   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
-#   ./run.sh test --sanitize   the CPU tests under AddressSanitizer and UndefinedBehaviorSanitizer, in a build of their own
+#   ./run.sh test --sanitize   the CPU tests and the hard cases under AddressSanitizer and UBSan, in a build of their own
 #   ./run.sh fuzz --seconds N  scene and JSON loading under a fuzzer (installs clang), N seconds each
 #   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
 #   ./run.sh build             set up and build
@@ -80,11 +80,17 @@ case "$command" in
       shift
       build=build/asan
       preset=asan
+      targets=(cpu_tests tessera)
       build_all
       say "running the CPU tests under sanitizers"
       hint="run one again with: ctest --test-dir $build -R NAME --output-on-failure"
       ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 \
         ctest --test-dir "$build" -L cpu --output-on-failure --no-tests=error "$@"
+      say "running the hard cases under sanitizers"
+      hint="run one again with: $build/apps/tessera/tessera stability --context osmesa --only NAME"
+      # What leaks there is the driver's.
+      ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1 \
+        "$build/apps/tessera/tessera" stability --context osmesa
       exit 0
     fi
     build_all
@@ -95,9 +101,9 @@ case "$command" in
   fuzz)
     seconds=60
     if [ "${1:-}" = --seconds ]; then seconds=${2:-}; fi
-    step="reading the arguments"
-    hint="./run.sh fuzz [--seconds N], N a whole number above 0"
-    [[ "$seconds" =~ ^[1-9][0-9]*$ ]] || { printf 'run.sh fuzz: --seconds %s is not a whole number above 0\n' "$seconds" >&2; exit 2; }
+    step="reading '--seconds $seconds'"
+    hint="N of --seconds N is a whole number above 0"
+    [[ "$seconds" =~ ^[1-9][0-9]*$ ]] || exit 2
     install_packages "${packages[@]}" clang
     build=build/fuzz
     preset=fuzz

@@ -29,7 +29,8 @@ struct RenderOptions {
   SpatialChoice spatial;
   StudyChoice study;
   int shadowSize = EngineOptions().shadowSize;
-  bool shadowFilter = EngineOptions().shadowFilter;
+  ShadowFilter shadowFilter = EngineOptions().shadowFilter;
+  NumericForms forms;
 };
 
 const std::map<std::string, DebugView> kDebugViews = {{"ids", DebugView::Ids},
@@ -99,6 +100,7 @@ Result<RenderOptions> withStudy(const RenderOptions& options) {
   if (method.usesAtlas()) chosenOptions.atlas = method.atlas;
   chosenOptions.shadowSize = chosen->configuration.shadowSize;
   chosenOptions.shadowFilter = chosen->configuration.shadowFilter;
+  chosenOptions.forms = chosen->configuration.forms;
   fmt::print("{}\n", chosen->reason);
   return chosenOptions;
 }
@@ -184,6 +186,7 @@ Result<void> render(const RenderOptions& asked) {
   engineSetup->request = requestOf(options);
   engineSetup->shadowSize = options.shadowSize;
   engineSetup->shadowFilter = options.shadowFilter;
+  engineSetup->forms = options.forms;
   engineSetup->timePasses = !options.stats.empty();
   engineSetup->countFragments = !options.stats.empty();
   engineSetup->progress = step;

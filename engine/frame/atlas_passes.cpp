@@ -91,8 +91,7 @@ void Engine::display(const View& view, DisplayMode mode) {
   // that was made through another view of the texture in the wrong encoding.
   const auto clear = [&](const gl::Framebuffer& target, const float* color) {
     gl::api().ClearNamedFramebufferfv(target.get(), GL_COLOR, 0, color);
-    const float farthest = 0.0f;
-    gl::api().ClearNamedFramebufferfv(target.get(), GL_DEPTH, 0, &farthest);
+    gl::api().ClearNamedFramebufferfv(target.get(), GL_DEPTH, 0, &s.depth.farthest);
   };
   const Gatherer* gatherer = s.gatherer();
   if (gatherer == nullptr) {
@@ -131,7 +130,7 @@ void Engine::display(const View& view, DisplayMode mode) {
     const gl::Framebuffer& target = linear ? s.picture.framebuffer : s.picture.encodedFramebuffer;
     gl::api().BindFramebuffer(GL_FRAMEBUFFER, target.get());
     gl::api().Viewport(0, 0, view.width, view.height);
-    gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = linear});
+    gl::apply({.depth = s.depth.nearer, .depthWrite = true, .encodeSrgb = linear});
     clear(target, linear ? &linearBackground.x : &background.x);
     for (std::uint32_t first = 0; first < s.draw.batches.size();) {
       const Batch& batch = s.draw.batches[first];

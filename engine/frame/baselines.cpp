@@ -23,7 +23,7 @@ Result<void> Engine::upsample(int width, int height) {
     gl::api().BindImageTexture(0, s.upsampledRows.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
     gl::dispatchOver(width, fromHeight);
   });
-  s.spare.resize(width, height);
+  s.spare.resize(width, height, &s.depth);
   s.pass("upsample-columns", [&] {
     s.upsampleColumns->use();
     s.upsampledRows.bind(UNIT_PICTURE);
@@ -52,7 +52,7 @@ Result<void> Engine::warp(const View& from, const View& to) {
   columns[3] = toClip * glm::dvec4(0.0, 0.0, 0.0, 1.0 / from.zNear);
   const glm::mat4 placeToClip(columns);
   const glm::vec4 background = s.encodedBackground();
-  s.spare.resize(to.width, to.height);
+  s.spare.resize(to.width, to.height, &s.depth);
   if (!s.emptyVertices.get()) s.emptyVertices = gl::VertexArray::make();
   s.pass("warp", [&] {
     const gl::Framebuffer& target = s.spare.encodedFramebuffer;

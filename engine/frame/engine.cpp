@@ -64,10 +64,14 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   engine->s_ = std::make_unique<State>(context);
   State& s = *engine->s_;
   s.options = options;
+  s.programs.setCommon(definesOf(options.forms));
+  s.depth = depthFormOf(options.forms);
   s.scene = std::move(scene);
   s.stage = std::move(stage);
   const auto guard = s.guard();
 
+  if (options.request.warp && !options.forms.reversedDepth)
+    return fail("{}: warping reads reversed depth; forms.reversedDepth is off", s.scene.file);
   makeFinite(s.scene);
   if (auto fits = checkLights(s.scene, s.stage ? &*s.stage : nullptr); !fits)
     return tl::unexpected(fits.error());
@@ -78,7 +82,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   completeAttributes(s.scene, s.features);
   say("building patches");
   s.draw = prepare(s.scene, options.patches);
-  s.anchor = s.placedAnchor = s.scene.bounds.centre();
+  s.anchor = s.placedAnchor = options.forms.cameraRelative ? s.scene.bounds.centre() : glm::dvec3(0.0);
   say("uploading");
   auto buffers = upload(s.scene, s.draw);
   if (!buffers) return tl::unexpected(buffers.error());
@@ -128,7 +132,7 @@ void Engine::State::bindScene() {
 void Engine::State::setViews(std::span<const View> views) {
   std::vector<glsl::ViewGpu> records;
   for (const View& view : views.first(std::min(views.size(), kMaxViews)))
-    records.push_back(viewGpu(view, anchor));
+    records.push_back(viewGpu(view, anchor, options.forms.reversedDepth));
   viewBuffer.write(std::span<const glsl::ViewGpu>(records));
 }
 
@@ -141,6 +145,7 @@ void Engine::State::setDensities(std::span<const View> views, const PlaceOptions
 }
 
 glm::dvec3 Engine::State::anchorFor(const View& view) const {
+  if (!options.forms.cameraRelative) return glm::dvec3(0.0);
   // At the edge of a cell a float's last place is 1/1024 of the near plane at the most.
   constexpr double kCellInNearPlanes = 16384.0;
   const double cell = defaultNear(scene) * kCellInNearPlanes;
@@ -205,6 +210,7 @@ void Engine::update(double time) {
   frame.ambientSky = glm::vec4(boundedRadiance(ambient.sky), stage != nullptr ? stage->exposure : 1.0f);
   frame.ambientGround = glm::vec4(boundedRadiance(ambient.ground), 0.0f);
   frame.lightCount = static_cast<glsl::uint>(s.lights.lights.size());
+  frame.shadowReach = s.options.shadowFilter == ShadowFilter::Wide ? 1 : 0;
   s.frameBuffer.writeValue(frame);
   s.updated = true;
   s.drawShadows();
@@ -252,7 +258,7 @@ Result<void> Engine::setShadowSize(int texels) {
   return {};
 }
 
-void Engine::setShadowFilter(bool filter) {
+void Engine::setShadowFilter(ShadowFilter filter) {
   s_->options.shadowFilter = filter;
   if (s_->shadowMap) s_->filterShadowMap();
 }

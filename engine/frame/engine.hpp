@@ -19,6 +19,7 @@
 #include "atlas/texel/texel_atlas.hpp"
 #include "engine/frame/batches.hpp"
 #include "engine/frame/features.hpp"
+#include "engine/frame/forms.hpp"
 #include "engine/frame/graph.hpp"
 #include "engine/frame/lights.hpp"
 #include "engine/frame/scene_buffers.hpp"
@@ -33,6 +34,10 @@ namespace tessera {
 /// Which way an atlas is filled.
 enum class GathererKind : std::uint8_t { Rect, Tess, Texel };
 
+/// What a lookup of a shadow map takes: the nearest texel, the four nearest blended, or nine such blends one
+/// texel apart, whose edges are soft over three texels.
+enum class ShadowFilter : std::uint8_t { Nearest, Linear, Wide };
+
 struct EngineOptions {
   GathererKind gatherer = GathererKind::Rect;  // of the three that follow, which one there is
   RectAtlasOptions atlas;
@@ -44,13 +49,14 @@ struct EngineOptions {
   /// quads become patches of bounded size of which only the visible are shaded. (0, 1]; 0 = never. 1/24:
   /// measured default.
   double splitEdges = 1.0 / 24.0;
-  int shadowSize = 1024;                         // texels a side of a shadow-map layer, [64, 8192]
-  bool shadowFilter = true;                      // between the four nearest texels; false: the nearest alone
+  int shadowSize = 1024;  // texels a side of a shadow-map layer, [64, 8192]
+  ShadowFilter shadowFilter = ShadowFilter::Linear;
   glm::vec3 background{0.030f, 0.034f, 0.042f};  // display-referred linear
   /// Several views' ids in one pass, a layer of the target each, where the context can
   /// (ContextInfo::vertexLayers); false: a pass a view. The visible set is the same.
   /// On a software renderer one pass takes 1.01 to 1.04 of the time of two (stereo at 720p, medians).
   bool idLayers = true;
+  NumericForms forms;                                     // without reversed depth there is no warping
   bool timePasses = false;                                // measure each pass: a finish or a query around it
   bool countFragments = false;                            // pipeline statistics around forward and gather
   std::function<void(const std::string& step)> progress;  // load steps, may be empty
@@ -128,8 +134,8 @@ class Engine {
   /// Shadow maps of another size (see EngineOptions::shadowSize), from the next update() on. Fails, and
   /// changes nothing, for a size out of range.
   Result<void> setShadowSize(int texels);
-  /// See EngineOptions::shadowFilter.
-  void setShadowFilter(bool filter);
+  /// From the next update() on.
+  void setShadowFilter(ShadowFilter filter);
   /// Another way to spawn the samples of what is placed; without effect on any but the tessellation gatherer.
   /// Fails, and changes nothing, where check(spawn) does or a program does not compile.
   Result<void> setSpawn(const TessSpawn& spawn);

@@ -18,10 +18,11 @@ namespace tessera {
 struct PictureTarget {
   gl::Texture color;                   // SRGB8_ALPHA8
   gl::Texture encoded;                 // its RGBA8 view
-  gl::Texture depth;                   // DEPTH_COMPONENT32F
+  gl::Texture depth;                   // see DepthForm
   gl::Framebuffer framebuffer;         // of color
   gl::Framebuffer encodedFramebuffer;  // of encoded: writes are copied as they are
-  void resize(int width, int height, bool withDepth = true);
+  /// Without a depth form there is no depth.
+  void resize(int width, int height, const DepthForm* form);
 };
 
 /// The id pass's target.
@@ -30,7 +31,7 @@ struct IdTarget {
   gl::Texture depth;
   gl::Framebuffer framebuffer;
   gl::Texture lastIds, lastDepth;  // the last of several layers
-  void resize(int width, int height, int layers = 0);
+  void resize(int width, int height, const DepthForm& form, int layers = 0);
 };
 
 /// Programs of a batch, by what draws it. Null where the plan has no such pass.
@@ -59,6 +60,7 @@ struct Engine::State {
   gl::Context* context;
   gl::ProgramCache programs;
   EngineOptions options;
+  DepthForm depth;  // of options.forms
   Scene scene;
   std::optional<Stage> stage;
   SceneFeatures features;

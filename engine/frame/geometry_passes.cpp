@@ -26,7 +26,7 @@ void beginPass(const gl::Framebuffer& framebuffer, int width, int height, const 
 
 }  // namespace
 
-void PictureTarget::resize(int width, int height, bool withDepth) {
+void PictureTarget::resize(int width, int height, const DepthForm* form) {
   if (color && color.width() == width && color.height() == height) return;
   *this = {};
   color = gl::Texture(GL_SRGB8_ALPHA8, width, height);
@@ -35,8 +35,8 @@ void PictureTarget::resize(int width, int height, bool withDepth) {
   encoded = color.view(GL_RGBA8);
   encoded.filter(GL_LINEAR, GL_LINEAR);
   encoded.wrap(GL_CLAMP_TO_EDGE);
-  if (withDepth) depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
-  const gl::Texture* attached = withDepth ? &depth : nullptr;
+  if (form != nullptr) depth = gl::Texture(form->format, width, height);
+  const gl::Texture* attached = form != nullptr ? &depth : nullptr;
   const std::array<const gl::Texture*, 1> colors = {&color};
   const std::array<const gl::Texture*, 1> raw = {&encoded};
   framebuffer = gl::Framebuffer(colors, attached);
@@ -49,16 +49,16 @@ void Engine::State::beginPicture(const View& view) {
     return target.color && target.color.width() == view.width && target.color.height() == view.height;
   };
   if (!fits(picture) && fits(spare)) std::swap(picture, spare);
-  picture.resize(view.width, view.height);
+  picture.resize(view.width, view.height, &depth);
   throughLens = false;
 }
 
-void IdTarget::resize(int width, int height, int layers) {
+void IdTarget::resize(int width, int height, const DepthForm& form, int layers) {
   if (ids && ids.width() == width && ids.height() == height && ids.layers() == layers) return;
   *this = {};
   ids = gl::Texture(GL_R32UI, width, height, 1, layers);
   ids.filter(GL_NEAREST, GL_NEAREST);
-  depth = gl::Texture(GL_DEPTH_COMPONENT32F, width, height, 1, layers);
+  depth = gl::Texture(form.format, width, height, 1, layers);
   const std::array<const gl::Texture*, 1> colors = {&ids};
   framebuffer = gl::Framebuffer(colors, &depth);
   if (layers == 0) return;
@@ -112,7 +112,7 @@ void Engine::State::drawDepthList(const DrawList& list, const gl::Program* Batch
 }
 
 void Engine::State::filterShadowMap() {
-  const GLint filter = options.shadowFilter ? GL_LINEAR : GL_NEAREST;
+  const GLint filter = options.shadowFilter == ShadowFilter::Nearest ? GL_NEAREST : GL_LINEAR;
   shadowMap.filter(filter, filter);
 }
 
@@ -179,13 +179,13 @@ void Engine::findVisible(std::span<const View> views) {
     const auto drawn = views.subspan(first, atOnce);
     IdTarget& target = layered ? s.idLayers : s.id;
     s.setViews(drawn);
-    target.resize(views[first].width, views[first].height, layered ? static_cast<int>(atOnce) : 0);
+    target.resize(views[first].width, views[first].height, s.depth, layered ? static_cast<int>(atOnce) : 0);
     s.pass("id", [&] {
       beginPass(target.framebuffer, views[first].width, views[first].height,
-                {.depth = gl::DepthTest::Greater, .depthWrite = true});
+                {.depth = s.depth.nearer, .depthWrite = true});
       const std::array<GLuint, 4> none = {0, 0, 0, 0};
       gl::api().ClearNamedFramebufferuiv(target.framebuffer.get(), GL_COLOR, 0, none.data());
-      clearDepth(target.framebuffer, 0.0f);
+      clearDepth(target.framebuffer, s.depth.farthest);
       DrawList list = s.visibleDraws(drawn);
       if (!layered) {
         s.drawDepthList(list, &BatchPrograms::id, true, -1);
@@ -217,14 +217,14 @@ void Engine::forward(const View& view, bool depthPrepass) {
   s.setViews({&view, 1});
   s.beginPicture(view);
   const DrawList list = s.visibleDraws({&view, 1});
-  gl::DrawState state{.depth = gl::DepthTest::Greater, .depthWrite = true, .encodeSrgb = true};
+  gl::DrawState state{.depth = s.depth.nearer, .depthWrite = true, .encodeSrgb = true};
   const bool prepass = depthPrepass && s.graph.find("depth-prepass") != nullptr;
   if (prepass)
     s.pass("depth-prepass", [&] {
       beginPass(s.picture.framebuffer, view.width, view.height,
-                {.depth = gl::DepthTest::Greater, .depthWrite = true});
+                {.depth = s.depth.nearer, .depthWrite = true});
       gl::api().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-      clearDepth(s.picture.framebuffer, 0.0f);
+      clearDepth(s.picture.framebuffer, s.depth.farthest);
       s.drawDepthList(list, &BatchPrograms::depthOnly, true, -1);
     });
   if (prepass) {
@@ -235,12 +235,12 @@ void Engine::forward(const View& view, bool depthPrepass) {
   if (s.graph.find("forward") == nullptr) {
     beginPass(s.picture.framebuffer, view.width, view.height, state);
     clearColor(s.picture.framebuffer, background);
-    clearDepth(s.picture.framebuffer, 0.0f);
+    clearDepth(s.picture.framebuffer, s.depth.farthest);
   }
   s.pass("forward", [&] {
     beginPass(s.picture.framebuffer, view.width, view.height, state);
     clearColor(s.picture.framebuffer, background);
-    if (!prepass) clearDepth(s.picture.framebuffer, 0.0f);
+    if (!prepass) clearDepth(s.picture.framebuffer, s.depth.farthest);
     s.useCommands(list);
     s.counted([&] {
       for (const DrawRange& range : list.ranges) {
@@ -256,14 +256,14 @@ void Engine::forward(const View& view, bool depthPrepass) {
   s.drawTransparent(view, "forward-transparent", s.picture.depth);
 }
 
-void Engine::State::drawTransparent(const View& view, const char* passName, const gl::Texture& depth) {
+void Engine::State::drawTransparent(const View& view, const char* passName, const gl::Texture& opaque) {
   if (!features.blend) return;
   pass(passName, [&] {
     const std::array<const gl::Texture*, 1> colors = {&picture.color};
     const gl::Framebuffer own =
-        &depth == &picture.depth ? gl::Framebuffer() : gl::Framebuffer(colors, &depth);
+        &opaque == &picture.depth ? gl::Framebuffer() : gl::Framebuffer(colors, &opaque);
     beginPass(own ? own : picture.framebuffer, view.width, view.height,
-              {.depth = gl::DepthTest::GreaterEqual, .blend = true, .encodeSrgb = true});
+              {.depth = depth.nearerOrEqual, .blend = true, .encodeSrgb = true});
     gl::api().BindVertexArray(buffers.vertexArray.get());
     gl::api().VertexArrayElementBuffer(buffers.vertexArray.get(), blendIndices.get());
     const Frustum frustum = frustumOf(viewProjection(view, anchor));

@@ -50,7 +50,7 @@ Result<void> Engine::distort(const Lens& lens) {
   const auto guard = s.guard();
   const int width = s.picture.color.width();
   const int height = s.picture.color.height();
-  s.distorted.resize(width, height, false);
+  s.distorted.resize(width, height, nullptr);
   s.pass("distort", [&] {
     s.distort->use();
     s.picture.color.bind(UNIT_PICTURE);

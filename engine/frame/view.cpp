@@ -118,9 +118,11 @@ glm::dmat4 viewProjection(const View& view, const glm::dvec3& anchor) {
   return projection * rotation * translation;
 }
 
-glsl::ViewGpu viewGpu(const View& view, const glm::dvec3& anchor) {
+glsl::ViewGpu viewGpu(const View& view, const glm::dvec3& anchor, bool reversed) {
   glsl::ViewGpu gpu;
-  gpu.viewProjection = glm::mat4(viewProjection(view, anchor));
+  glm::dmat4 toClip = viewProjection(view, anchor);
+  if (!reversed) toClip = glm::row(toClip, 2, glm::row(toClip, 3) - glm::row(toClip, 2));
+  gpu.viewProjection = glm::mat4(toClip);
   gpu.eye = glm::vec4(glm::vec3(view.eye - anchor), static_cast<float>(view.pixelsPerRadian()));
   return gpu;
 }

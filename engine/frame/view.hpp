@@ -69,7 +69,8 @@ double defaultNear(const Scene& scene);
 
 /// Rotation and projection, from positions relative to `anchor` to clip space; computed in double.
 glm::dmat4 viewProjection(const View& view, const glm::dvec3& anchor);
-glsl::ViewGpu viewGpu(const View& view, const glm::dvec3& anchor);
+/// `reversed`: depth 1 at zNear, 0 at infinity; false: 0 and 1.
+glsl::ViewGpu viewGpu(const View& view, const glm::dvec3& anchor, bool reversed = true);
 /// What level selection reads of a view when options are on; fields of an absent option are not read.
 glsl::DensityGpu densityGpu(const View& view, const PlaceOptions& options);
 /// Columns c0, c1, c2: the ray through (x, y) in pixels from the bottom left is c0 + x c1 + y c2, relative to

@@ -20,6 +20,8 @@ GLenum functionOf(DepthTest test) {
       return GL_EQUAL;
     case DepthTest::Less:
       return GL_LESS;
+    case DepthTest::LessEqual:
+      return GL_LEQUAL;
   }
   return GL_ALWAYS;
 }

@@ -8,7 +8,7 @@
 
 namespace tessera::gl {
 
-enum class DepthTest : std::uint8_t { Off, Greater, GreaterEqual, Equal, Less };
+enum class DepthTest : std::uint8_t { Off, Greater, GreaterEqual, Equal, Less, LessEqual };
 
 struct DrawState {
   DepthTest depth = DepthTest::Off;

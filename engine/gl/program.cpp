@@ -157,7 +157,9 @@ Result<void> ProgramCache::getAll(std::initializer_list<Wanted> wanted) {
   return {};
 }
 
-Result<const Program*> ProgramCache::get(const std::vector<std::string>& paths, const Defines& defines) {
+Result<const Program*> ProgramCache::get(const std::vector<std::string>& paths, const Defines& own) {
+  Defines defines = own;
+  defines.insert(common_.begin(), common_.end());
   std::string key;
   for (const std::string& path : paths) key += (key.empty() ? "" : " + ") + path;
   for (const auto& [name, value] : defines)

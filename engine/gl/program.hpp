@@ -56,6 +56,8 @@ void dispatchIndirect(const Buffer& groups, std::size_t offset = 0);
 class ProgramCache {
  public:
   explicit ProgramCache(const Context& context) : context_(&context) {}
+  /// Added to the defines of every program from here on.
+  void setCommon(Defines defines) { common_ = std::move(defines); }
   /// The program, compiled on first use. The reference lives as long as the cache.
   Result<const Program*> get(const std::vector<std::string>& paths, const Defines& defines = {});
   /// A program and where its reference goes.
@@ -70,6 +72,7 @@ class ProgramCache {
 
  private:
   const Context* context_;
+  Defines common_;
   std::map<std::string, std::unique_ptr<Program>> programs_;
   std::vector<std::string> compiled_;
 };

@@ -17,7 +17,7 @@ float lightReaching(uint index, vec3 position, vec3 n) {
   vec4 texel = shadows[layer].texel;  // the same for all faces of a cube
   float reach = texel.y > 0.0 ? length(toPoint) : 1.0;
   // Moving the point off the surface by about a shadow texel keeps it clear of its own depth (normal offset).
-  vec3 offset = n * (1.5 * texel.x * reach);
+  vec3 offset = n * ((1.5 + float(frame.shadowReach)) * texel.x * reach);
   vec3 p = position + offset;
   // The face of the moved point: near a cube's edges the surface's own may not see it.
   if (cube) layer += cubeFace(toPoint + offset);
@@ -27,5 +27,13 @@ float lightReaching(uint index, vec3 position, vec3 n) {
   if (c.z > 1.0) return 1.0;
   // A cube has no outside: what lies past a face's edge does so by rounding, and the texture clamps it.
   if (!cube && (abs(c.x) > 1.0 || abs(c.y) > 1.0)) return 1.0;
-  return texture(uShadow, vec4(c.xy * 0.5 + 0.5, float(layer), c.z));
+  vec2 at = c.xy * 0.5 + 0.5;
+  if (frame.shadowReach == 0u) return texture(uShadow, vec4(at, float(layer), c.z));
+  int around = int(frame.shadowReach);
+  vec2 texelSide = 1.0 / vec2(textureSize(uShadow, 0).xy);
+  float sum = 0.0;
+  for (int y = -around; y <= around; ++y)
+    for (int x = -around; x <= around; ++x)
+      sum += texture(uShadow, vec4(at + vec2(x, y) * texelSide, float(layer), c.z));
+  return sum / float((2 * around + 1) * (2 * around + 1));
 }

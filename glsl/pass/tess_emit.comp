@@ -80,7 +80,11 @@ void main() {
                              uTriangles + kSplitBlock * splitBlock(state.split));
   vec3 at = views[0].eye.xyz;
   // A split triangle's own samples are for views from elsewhere, and may reach around the eye: even on its plane.
+#ifdef SURFACE_SAMPLES
+  vec3 w = vec3(1.0);
+#else
   vec3 w = state.split != 0u ? vec3(1.0) : depthWeights(element.corners[0] - at, element.corners[1] - at, element.corners[2] - at);
+#endif
   for (uint c = 0u; c < 3u; ++c)
     drawVertices[3u * entry + c] = TessVertex(element.corners[c].x, element.corners[c].y, element.corners[c].z, w[c]);
   // The whole triangle is drawn, so that its edges are those of its neighbours; its pieces are only sampled.

@@ -108,27 +108,43 @@ SHARED_FN float safeLog2(float value) {
   return log2(clamp(value, kSmallestArea, kLargestArea));
 }
 
+// What measuring takes: the stable forms, unless a study asks for the others (see NumericForms).
+SHARED_FN float measuredAngle(vec3 a, vec3 b) {
+#ifdef ANGLES_BY_ACOS
+  return angleByAcos(a, b);
+#else
+  return angleBetween(a, b);
+#endif
+}
+SHARED_FN float measuredArea(float a, float b, float c) {
+#ifdef AREAS_BY_HERON
+  return triangleAreaByHeron(a, b, c);
+#else
+  return triangleArea(a, b, c);
+#endif
+}
+
 // Measures a patch from its corners relative to the eye, laid out as PatchGeometry says; `triangles` is 1
 // to 3. The area is that of the whole block: a single fills half of its block, so its block has twice its
 // area. The aspect compares the longest of the edges that run along x in the block with the longest along y.
 // A patch with a corner that is not finite or farther than kFarthestCorner has no area.
 SHARED_FN PatchMeasure measurePatch(vec3 v0, vec3 v1, vec3 v2, vec3 v3, vec3 v4, uint triangles,
                                     float pixelsPerRadian) {
-  float e01 = angleBetween(v0, v1);
-  float e12 = angleBetween(v1, v2);
-  float e02 = angleBetween(v0, v2);
-  float first = triangleArea(e01, e12, e02);
+  float e01 = measuredAngle(v0, v1);
+  float e12 = measuredAngle(v1, v2);
+  float e02 = measuredAngle(v0, v2);
+  float first = measuredArea(e01, e12, e02);
   float area = first + first;
   float x = e01;
   float y = e12;
   if (triangles > 1u) {
-    float e23 = angleBetween(v2, v3);
-    float e03 = angleBetween(v0, v3);
-    area = first + triangleArea(e02, e23, e03);
+    float e23 = measuredAngle(v2, v3);
+    float e03 = measuredAngle(v0, v3);
+    area = first + measuredArea(e02, e23, e03);
     if (triangles > 2u) {
-      float e34 = angleBetween(v3, v4);
-      float e04 = angleBetween(v0, v4);
-      area += triangleArea(e03, e34, e04);
+      float e34 = measuredAngle(v3, v4);
+      float e04 = measuredAngle(v0, v4);
+      area += measuredArea(e03, e34, e04);
       x = max(e01 + e04, e23);
       y = max(e12, e34);
     } else {

@@ -42,7 +42,7 @@ struct FrameGpu {
   vec4 ambientSky;     // rgb radiance from above; w = exposure
   vec4 ambientGround;  // rgb radiance from below; w unused
   uint lightCount;
-  uint reserved0;
+  uint shadowReach;  // texels of shadow maps blended on each side of the nearest four
   uint reserved1;
   uint reserved2;
 };

@@ -17,9 +17,9 @@ SHARED_CONST float kFlattest = 1.0e-6;   // of the longest edge: the height that
 // reaches behind it has one. Corners are relative to the eye.
 SHARED_FN TessMeasure measureTriangle(vec3 v0, vec3 v1, vec3 v2, float pixelsPerRadian) {
   TessMeasure measure;
-  measure.edge0 = angleBetween(v1, v2) * pixelsPerRadian;
-  measure.edge1 = angleBetween(v2, v0) * pixelsPerRadian;
-  measure.edge2 = angleBetween(v0, v1) * pixelsPerRadian;
+  measure.edge0 = measuredAngle(v1, v2) * pixelsPerRadian;
+  measure.edge1 = measuredAngle(v2, v0) * pixelsPerRadian;
+  measure.edge2 = measuredAngle(v0, v1) * pixelsPerRadian;
   float longest = max(measure.edge0, max(measure.edge1, measure.edge2));
   float reach = dot(abs(v0) + abs(v1) + abs(v2), vec3(kLevelOne));
   if (!isFiniteNumber(reach) || reach > kFarthestCorner || !isFiniteNumber(longest) || !(longest > kLevelZero)) {
@@ -29,7 +29,7 @@ SHARED_FN TessMeasure measureTriangle(vec3 v0, vec3 v1, vec3 v2, float pixelsPer
     measure.height = kLevelZero;
     return measure;
   }
-  float area = triangleArea(measure.edge0 / longest, measure.edge1 / longest, measure.edge2 / longest);
+  float area = measuredArea(measure.edge0 / longest, measure.edge1 / longest, measure.edge2 / longest);
   measure.height = (area + area) * longest;
   return measure;
 }

@@ -1,5 +1,6 @@
 // What an engine changes without being made anew: the atlas' format by every gatherer, and shadow maps.
 #include <cstdio>
+#include <limits>
 
 #include "engine/frame/engine.hpp"
 #include "engine/measure/metrics.hpp"
@@ -14,8 +15,9 @@ using Settings = test::GlTest;
 
 View frontView() { return lookAt({0, 0, 0}, {0, 0, -1}, 60.0, 320, 240, 0.01); }
 
-std::unique_ptr<Engine> make() {
+std::unique_ptr<Engine> make(const NumericForms& forms = {}) {
   EngineOptions options;
+  options.forms = forms;
   options.atlas.memory.width = options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
   options.shadowSize = 256;
@@ -81,16 +83,20 @@ TEST_F(Settings, ShadowMapsChangeAndComeBack) {
     return engine->readColor().pixels;
   };
   const auto first = forward();
-  engine->setShadowFilter(false);
+  engine->setShadowFilter(ShadowFilter::Nearest);
   EXPECT_NE(forward(), first) << "edges of texels show";
-  engine->setShadowFilter(true);
+  engine->setShadowFilter(ShadowFilter::Linear);
+  EXPECT_EQ(forward(), first);
+  engine->setShadowFilter(ShadowFilter::Wide);
+  EXPECT_NE(forward(), first) << "edges are soft";
+  engine->setShadowFilter(ShadowFilter::Linear);
   EXPECT_EQ(forward(), first);
   ASSERT_TRUE(engine->setShadowSize(64));
   EXPECT_NE(forward(), first);
-  engine->setShadowFilter(false);
+  engine->setShadowFilter(ShadowFilter::Nearest);
   ASSERT_TRUE(engine->setShadowSize(256));
   EXPECT_NE(forward(), first) << "a new map has the filter that was set before";
-  engine->setShadowFilter(true);
+  engine->setShadowFilter(ShadowFilter::Linear);
   EXPECT_EQ(forward(), first);
   for (const int bad : {0, -1, 63, 8193}) {
     const auto refused = engine->setShadowSize(bad);
@@ -99,6 +105,69 @@ TEST_F(Settings, ShadowMapsChangeAndComeBack) {
         << refused.error().message;
   }
   EXPECT_EQ(forward(), first);
+}
+
+/// The picture of a frame by one gatherer.
+Image shot(Engine& engine, GathererKind kind, const View& view) {
+  EXPECT_TRUE(useFormat(engine, kind, AtlasFormat::Srgb8));
+  engine.rect(view, DisplayMode::Geometry);
+  return engine.readColor();
+}
+
+// On a scene that is not hard the forms that textbooks print draw what the stable ones do, but for samples
+// that are even on the surface: those blur the floor at the camera's feet.
+TEST_F(Settings, EveryFormDrawsTheScene) {
+  struct Form {
+    const char* name;
+    bool NumericForms::*field;
+    double least, most;  // dB to the picture of the stable form, the worse of rect's and tess's
+  };
+  constexpr double kEqual = std::numeric_limits<double>::infinity();
+  const Form forms[] = {{"angles", &NumericForms::anglesByCross, 50, 90},
+                        {"areas", &NumericForms::areasByKahan, 50, kEqual},
+                        {"samples", &NumericForms::perspectiveSamples, 15, 30},
+                        {"positions", &NumericForms::cameraRelative, 50, 95},
+                        {"depth", &NumericForms::reversedDepth, 50, kEqual}};
+  const View view = frontView();
+  auto stable = make();
+  ASSERT_TRUE(stable);
+  for (const Form& form : forms) {
+    NumericForms other;
+    other.*form.field = false;
+    auto engine = make(other);
+    ASSERT_TRUE(engine) << form.name;
+    double worst = kEqual;
+    for (const GathererKind kind : {GathererKind::Rect, GathererKind::Tess}) {
+      const auto quality = psnr(shot(*stable, kind, view), shot(*engine, kind, view));
+      ASSERT_TRUE(quality);
+      worst = std::min(worst, *quality);
+    }
+    std::printf("%s: %.1f dB\n", form.name, worst);
+    EXPECT_GE(worst, form.least) << form.name;
+    EXPECT_LE(worst, form.most) << form.name;
+  }
+}
+
+// The lengths of edges have errors of their own, so areas by either formula draw alike: what is compiled says
+// which it is.
+TEST_F(Settings, FormsReachTheShaders) {
+  NumericForms other;
+  other.anglesByCross = other.areasByKahan = other.perspectiveSamples = false;
+  auto engine = make(other);
+  ASSERT_TRUE(engine);
+  ASSERT_FALSE(engine->permutations().empty());
+  for (const std::string& program : engine->permutations())
+    for (const char* define : {"ANGLES_BY_ACOS", "AREAS_BY_HERON", "SURFACE_SAMPLES"})
+      EXPECT_NE(program.find(define), std::string::npos) << program;
+}
+
+TEST_F(Settings, WarpingNeedsReversedDepth) {
+  EngineOptions options;
+  options.request.warp = true;
+  options.forms.reversedDepth = false;
+  const auto engine = Engine::create(test::context(), test::everythingScene(), test::lampStage(), options);
+  ASSERT_FALSE(engine);
+  EXPECT_NE(engine.error().message.find("reversedDepth"), std::string::npos) << engine.error().message;
 }
 
 }  // namespace

@@ -98,7 +98,8 @@ std::vector<Knob> makeKnobs() {
        }});
   add({.name = "bias",
        .label = "Constant bias",
-       .sentence = "Taken off log2 of every texel area: 1 halves the texels, -2 shades four times as many.",
+       .sentence = "Taken off log2 of every texel's place: 2^-bias texels a pixel, so 1 halves them, and -2 "
+                   "shades four times as many.",
        .values = {"-3", "-2", "-1", "-0.5", "0", "0.5", "1", "2", "3"},
        .quickValues = {"-2", "-1", "0", "1", "2"},
        .standard = "0",
@@ -163,14 +164,16 @@ std::vector<Knob> makeKnobs() {
   add({.name = "shadow-filter",
        .label = "Shadow filter",
        .sentence =
-           "linear blends the four nearest texels of the shadow map; nearest takes one, and shows its edges.",
-       .values = {"nearest", "linear"},
-       .quickValues = {"nearest", "linear"},
+           "linear blends the four nearest texels of the shadow map; nearest takes one, and shows its "
+           "edges; wide blends nine such blends, and its edges are soft.",
+       .values = {"nearest", "linear", "wide"},
+       .quickValues = {"nearest", "wide", "linear"},
        .standard = "linear",
        .curves = {with("rect"), with("forward")},
        .heeded = [](const Configuration&) { return true; },
-       .apply =
-           oneOf({"nearest", "linear"}, [](Configuration& c, std::size_t i) { c.shadowFilter = i == 1; })});
+       .apply = oneOf({"nearest", "linear", "wide"}, [](Configuration& c, std::size_t i) {
+         c.shadowFilter = static_cast<ShadowFilter>(i);
+       })});
   add({.name = "format",
        .label = "Atlas format",
        .sentence =
@@ -306,6 +309,41 @@ std::vector<Knob> makeKnobs() {
            },
        .apply = oneOf({"paired", "alone"},
                       [](Configuration& c, std::size_t i) { c.method.atlas.pairs = i == 0; })});
+  const auto form = [&](const char* name, const char* label, const char* sentence, const char* stable,
+                        const char* other, bool NumericForms::*field, std::vector<Settings> curves,
+                        auto heeded) {
+    add({.name = name,
+         .label = label,
+         .sentence = sentence,
+         .values = {other, stable},
+         .quickValues = {other, stable},
+         .standard = stable,
+         .curves = std::move(curves),
+         .heeded = heeded,
+         .apply =
+             oneOf({stable, other}, [field](Configuration& c, std::size_t i) { c.forms.*field = i == 0; })});
+  };
+  const auto always = [](const Configuration&) { return true; };
+  const auto measures = [](const Configuration& c) { return c.isSampledBy(Sampling::Rect) || c.isTess(); };
+  const auto isTess = [](const Configuration& c) { return c.isTess(); };
+  form("angles", "Angles of edges",
+       "cross: atan2 of the cross and the dot product, all digits at any angle; acos, as printed, loses "
+       "those below 3.5e-4 rad.",
+       "cross", "acos", &NumericForms::anglesByCross, {with("rect"), with("tess")}, measures);
+  form("areas", "Areas of triangles",
+       "kahan orders the edges, so that needles keep their digits; heron, as printed, cancels.", "kahan",
+       "heron", &NumericForms::areasByKahan, {with("rect"), with("tess")}, measures);
+  form(
+      "samples", "Where triangles are sampled",
+      "perspective: evenly in the picture; surface: evenly on the triangle, so that its near end is blurred.",
+      "perspective", "surface", &NumericForms::perspectiveSamples, {with("tess")}, isTess);
+  form("positions", "What positions are relative to",
+       "camera: a place near the eye, moved in double precision; world: the scene's origin, which costs the "
+       "digits of its distance.",
+       "camera", "world", &NumericForms::cameraRelative, {with("rect"), with("forward")}, always);
+  form("depth", "Depth buffer",
+       "reversed: 32-bit floats, 0 at infinity; forward24: 24 bits, 1 there, which far surfaces share.",
+       "reversed", "forward24", &NumericForms::reversedDepth, {with("rect"), with("forward")}, always);
   return all;
 }
 

@@ -17,7 +17,8 @@ namespace tessera::app {
 struct Configuration {
   Method method;
   int shadowSize = EngineOptions().shadowSize;
-  bool shadowFilter = EngineOptions().shadowFilter;
+  ShadowFilter shadowFilter = EngineOptions().shadowFilter;
+  NumericForms forms;
 
   [[nodiscard]] bool isForward() const { return !method.usesAtlas(); }
   [[nodiscard]] bool isSampledBy(Sampling sampling) const {

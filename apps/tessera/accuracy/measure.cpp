@@ -48,11 +48,13 @@ Result<Engine*> Measuring::engineFor(const Configuration& configuration) {
   // Forward draws the same whatever patches there are: it takes the engine of the standard ones.
   if (configuration.isForward()) {
     auto standard = configurationOf({});
-    return standard ? engineFor(*standard) : tl::unexpected(standard.error());
+    if (!standard) return tl::unexpected(standard.error());
+    standard->forms = configuration.forms;
+    return engineFor(*standard);
   }
   auto setup = engineOptions(configuration.method.atlas);
   if (!setup) return tl::unexpected(setup.error());
-  std::unique_ptr<Engine>& engine = engines_[{setup->splitEdges, setup->patches.pair}];
+  std::unique_ptr<Engine>& engine = engines_[{setup->splitEdges, setup->patches.pair, configuration.forms}];
   if (engine) return engine.get();
   setup->request = {.rect = true,
                     .displayGeometry = true,
@@ -60,6 +62,7 @@ Result<Engine*> Measuring::engineFor(const Configuration& configuration) {
                     .forward = true,
                     .depthPrepass = true,
                     .upsample = true};
+  setup->forms = configuration.forms;
   setup->timePasses = true;
   setup->countFragments = true;
   auto made = Engine::create(*context_, scene_->scene, scene_->stage, *setup);

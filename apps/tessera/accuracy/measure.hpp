@@ -3,7 +3,7 @@
 
 #include <map>
 #include <memory>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "apps/tessera/accuracy/knobs.hpp"
@@ -56,8 +56,9 @@ class Measuring {
   const MeasuredScene* scene_;
   MeasureOptions options_;
   std::function<void(const std::string&)> step_;
-  // By what an engine cannot change after it is made: edges split at load, and patches of several triangles.
-  std::map<std::pair<double, bool>, std::unique_ptr<Engine>> engines_;
+  // By what an engine cannot change after it is made: edges split at load, patches of several triangles,
+  // forms.
+  std::map<std::tuple<double, bool, NumericForms>, std::unique_ptr<Engine>> engines_;
   std::vector<Image> references_;
 };
 

@@ -59,8 +59,9 @@ Result<double> changedIds(Bench& bench, double step) {
 }
 
 /// Pixels of the boards that show the layer behind.
-Result<double> wrongLayer(Bench& bench) {
+Result<double> wrongLayer(Bench& bench, bool reversed) {
   EngineOptions options;
+  options.forms.reversedDepth = reversed;
   options.splitEdges = 0.0;
   Scene scene = boards();
   // Green in front, red behind; both of one size, so that no red is to be seen.
@@ -115,7 +116,10 @@ void addDepthCases(Cases& cases) {
   cases.push_back({"depth/layers",
                    "pairs of surfaces a ten-thousandth of their distance apart, from 0.1 to 1e6: the "
                    "nearer is seen",
-                   "wrong pixels", 0.0, Sense::AtMost, wrongLayer});
+                   "wrong pixels", 0.0, Sense::AtMost, [](Bench& bench) { return wrongLayer(bench, true); }});
+  cases.push_back({"depth/layers-24-bit-fail", "the same in 24-bit depth that is 0 at the near plane",
+                   "wrong pixels", 1000.0, Sense::AtLeast,
+                   [](Bench& bench) { return wrongLayer(bench, false); }});
   cases.push_back({"depth/reversed-float",
                    "pairs a millionth of their distance apart, from 1e-3 to 1e6, in reversed "
                    "32-bit depth",

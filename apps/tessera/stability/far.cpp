@@ -101,6 +101,12 @@ void addFarCases(Cases& cases) {
          "a scene, its lights and its cameras so far from the origin: the picture is the one at the origin",
          "dB", 50.0, Sense::AtLeast,
          [distance](Bench& bench) { return leastPsnr(bench, shotAt({}), shotAt(away(distance))); }});
+  cases.push_back({"far/moved-1e5-world-fails", "the same with positions relative to the origin of the world",
+                   "dB", 30.0, Sense::AtMost, [](Bench& bench) {
+                     EngineOptions options;
+                     options.forms.cameraRelative = false;
+                     return leastPsnr(bench, shotAt({}), shotAt(away(1e5)), options);
+                   }});
   for (const double distance : {1e4, 1e6})
     cases.push_back(
         {fmt::format("far/island-1e{}", static_cast<int>(std::lround(std::log10(distance)))),

@@ -77,8 +77,6 @@ void describe(AVCodecContext& context, const EncoderOptions& options, AVPixelFor
     context.rc_max_rate = options.bitrate;
     context.rc_buffer_size = static_cast<int>(std::min<double>(
         static_cast<double>(options.bitrate) * options.bufferSeconds, std::numeric_limits<int>::max()));
-  } else {
-    context.global_quality = static_cast<int>(std::lround(options.quality)) * FF_QP2LAMBDA;
   }
 }
 

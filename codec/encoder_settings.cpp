@@ -41,6 +41,8 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const std::string& e
     preset("veryfast");
     settings.insert(settings.end(),
                     {{"cavlc", "1"}, {"forced_idr", "1"}, {"async_depth", "1"}, {"look_ahead", "0"}});
+    if (constant)
+      settings.emplace_back("global_quality", fmt::format("{}", std::lround(options.quality) * FF_QP2LAMBDA));
   }
   return settings;
 }

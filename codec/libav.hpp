@@ -24,8 +24,9 @@ template <class T>
 using Owned = std::unique_ptr<T, Free>;
 
 /// libavcodec writes to stderr unless told otherwise, and its level is the whole process' own: what a context
-/// says is moved past every level instead.
-constexpr int kSilent = 1000;
+/// says is moved past every level instead (which are below 64; the default callback looks at their lowest 8
+/// bits).
+constexpr int kSilent = 128;
 
 inline std::string errorText(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};

@@ -26,7 +26,7 @@ constexpr std::size_t kVersionAt = kUuidAt + kUuid.size();
 constexpr std::size_t kFrameAt = kVersionAt + 1;
 constexpr std::size_t kReferenceAt = kFrameAt + 8;
 constexpr std::size_t kSizeAt = kReferenceAt + 8;  // of the rest of the packet
-constexpr std::size_t kSumAt = kSizeAt + 4;        // of all from the version to the size, and of the rest
+constexpr std::size_t kSumAt = kSizeAt + 4;  // CRC-32 of all from the version to the size, and of the rest
 constexpr std::size_t kEnd = kSumAt + 4;
 
 void put(std::vector<std::uint8_t>& to, std::uint64_t value, int bytes) {
@@ -42,7 +42,8 @@ std::uint64_t get(std::span<const std::uint8_t> from, std::size_t at, std::size_
 std::uint32_t checksum(std::span<const std::uint8_t> fields, std::span<const std::uint8_t> packet) {
   const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE_LE);
   const std::uint32_t sum = av_crc(table, 0xffffffffU, fields.data(), fields.size());
-  return ~av_crc(table, sum, packet.data(), packet.size());
+  // It reads before the end of nothing, where nothing is a null pointer.
+  return packet.empty() ? ~sum : ~av_crc(table, sum, packet.data(), packet.size());
 }
 
 }  // namespace
@@ -69,11 +70,11 @@ Result<StampedPacket> readStamp(std::span<const std::uint8_t> bytes) {
   std::size_t end = 0;
   if (!firstNal(bytes, nal, end))
     return fail("a packet of {} bytes does not begin with a unit", bytes.size());
-  if (nal.type() != NalType::Sei)
+  if (nal.bytes[0] != static_cast<std::uint8_t>(NalType::Sei))
     return fail("a packet begins with a unit of type {}, not with a stamp", static_cast<int>(nal.type()));
   const auto message = unescape(nal.bytes);
   if (message.size() != kEnd + 1 || message[1] != kUserDataUnregistered || message[2] != kEnd - kUuidAt ||
-      !std::equal(kUuid.begin(), kUuid.end(), message.begin() + kUuidAt))
+      message[kEnd] != kStopBit || !std::equal(kUuid.begin(), kUuid.end(), message.begin() + kUuidAt))
     return fail("a packet begins with a message of {} bytes that is no stamp", message.size());
   if (message[kVersionAt] != kVersion)
     return fail("a packet's stamp is of version {}, not {}", message[kVersionAt], kVersion);

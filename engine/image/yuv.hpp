@@ -31,6 +31,9 @@ struct YuvView {
   std::array<const std::uint8_t*, 3> planes{};
   std::array<std::size_t, 3> strides{};  // bytes from a row to the next, at least the plane's width
 
+  [[nodiscard]] std::uint8_t at(std::size_t plane, int x, int y) const {
+    return planes[plane][static_cast<std::size_t>(y) * strides[plane] + static_cast<std::size_t>(x)];
+  }
   /// Of plane 0 to 2. Sides that are odd are rounded up.
   [[nodiscard]] int planeWidth(int plane) const {
     return plane == 0 ? width : (width + chromaSide(chroma) - 1) / chromaSide(chroma);

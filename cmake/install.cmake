@@ -1,13 +1,20 @@
 # The package: headers under include/tessera as they lie in the tree, one static library a room, assets, and
-# find_package(tessera) with the targets tessera::engine, tessera::atlas, tessera::gl and what they stand on.
+# find_package(tessera) with the targets tessera::engine, tessera::atlas, tessera::gl and what they stand on, and
+# tessera::codec where it was built: who does not link it needs no libavcodec.
 include(CMakePackageConfigHelpers)
 
 # What only the rooms themselves include stays out: engine_state.hpp, the loader's parts behind gltf.hpp, and what
 # tessera_atlas_bench holds.
-install(DIRECTORY engine atlas DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
+set(rooms engine atlas)
+if(TARGET tessera_codec)
+  list(APPEND rooms codec)
+endif()
+install(DIRECTORY ${rooms} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
         PATTERN "engine_state.hpp" EXCLUDE PATTERN "gltf_*.hpp" EXCLUDE
         PATTERN "request_stream.hpp" EXCLUDE PATTERN "place_tracker.hpp" EXCLUDE
-        PATTERN "quadtree*.hpp" EXCLUDE)
+        PATTERN "quadtree*.hpp" EXCLUDE
+        PATTERN "libav.hpp" EXCLUDE PATTERN "frame_planes.hpp" EXCLUDE
+        PATTERN "encoder_settings.hpp" EXCLUDE)
 install(DIRECTORY glsl/shared DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera/glsl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/engine/gl/glad/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera)
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera/assets

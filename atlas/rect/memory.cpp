@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "atlas/single_rows.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -270,7 +271,7 @@ void RectMemory::setBias(float bias) {
 }
 
 int RectMemory::textureHeight() const {
-  return static_cast<int>(config_.height + (config_.patchInstances + config_.width - 1) / config_.width);
+  return static_cast<int>(config_.height + singleRows(config_.width, config_.height, config_.patchInstances));
 }
 
 std::size_t RectMemory::bytes() const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "atlas/single_rows.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -192,7 +193,7 @@ void TessMemory::allocate(const gl::Buffer& dispatch, std::uint32_t frame) {
 
 int TessMemory::textureHeight() const {
   const std::uint32_t records = config_.triangles + glsl::kSplitNumbers;
-  return static_cast<int>(config_.height + (records + config_.width - 1) / config_.width);
+  return static_cast<int>(config_.height + singleRows(config_.width, config_.height, records));
 }
 
 std::size_t TessMemory::bytes() const {

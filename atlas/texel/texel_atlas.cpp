@@ -7,6 +7,7 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include "atlas/single_rows.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -84,9 +85,11 @@ Result<TexelAtlas> TexelAtlas::create(gl::ProgramCache& programs, const TexelAtl
                                    {&atlas.scan_, "pass/texel_scan.comp"},
                                    {&atlas.queuePass_, "pass/texel_queue.comp"}});
   if (!compiled) return tl::unexpected(compiled.error());
-  const auto patches = static_cast<int>(charts.size());
-  auto texture = AtlasTexture::create(
-      options.width, options.height + (patches + options.width - 1) / options.width, options.format);
+  const std::uint32_t singles =
+      singleRows(static_cast<std::uint32_t>(options.width), static_cast<std::uint32_t>(options.height),
+                 static_cast<std::uint32_t>(charts.size()));
+  auto texture =
+      AtlasTexture::create(options.width, options.height + static_cast<int>(singles), options.format);
   if (!texture) return tl::unexpected(texture.error());
   atlas.atlas_ = std::move(*texture);
   atlas.draw_ = PatchDraw(static_cast<std::uint32_t>(charts.size()), entries, batches);

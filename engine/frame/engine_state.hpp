@@ -146,10 +146,7 @@ struct Engine::State {
     samplesPassed = passedQuery.result();
   }
   /// A host's state is saved around every call; contexts of our own have no one to be kind to.
-  [[nodiscard]] std::optional<gl::StateGuard> guard() const {
-    return context->info().backend == gl::Backend::Host ? std::optional<gl::StateGuard>(std::in_place)
-                                                        : std::nullopt;
-  }
+  [[nodiscard]] std::optional<gl::StateGuard> guard() const { return gl::guardHost(*context); }
 
   Result<void> compile();
   /// The programs of the gatherer that the options name: those to shade and to display its atlas.

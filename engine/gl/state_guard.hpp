@@ -2,6 +2,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+
+#include "engine/gl/context.hpp"
 
 namespace tessera::gl {
 
@@ -21,5 +24,10 @@ class StateGuard {
   struct Saved;
   std::unique_ptr<Saved> saved_;
 };
+
+/// A guard where the context is a host's; nothing where it is the engine's own.
+inline std::optional<StateGuard> guardHost(const Context& context) {
+  return context.info().backend == Backend::Host ? std::optional<StateGuard>(std::in_place) : std::nullopt;
+}
 
 }  // namespace tessera::gl

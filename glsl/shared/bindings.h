@@ -64,6 +64,9 @@
 // and when it shades, of those that only memory phases read:
 #define BIND_TEXEL_QUEUE 15    // TexelTile[slots]
 
+// Shader storage: planes of video. Where they are made and read nothing of a scene is bound.
+#define BIND_YUV_PLANES 9      // YuvHeader, uint[]
+
 #define BIND_STORAGE_COUNT 25   // of the above
 
 // Uniform buffers

@@ -67,6 +67,8 @@ std::vector<std::string> permutationsOf(const std::string& path) {
     all = {"", "LINEAR_ATLAS", "TRIANGLES", "TRIANGLES LINEAR_ATLAS", "CHARTS", "CHARTS LINEAR_ATLAS"};
   } else if (path == "pass/rect_emit.comp") {
     all = {"", "CHARTS"};
+  } else if (path == "pass/yuv_pack.comp" || path == "pass/yuv_unpack.comp") {
+    all = {"SIDE=1", "SIDE=2"};
   } else if (path == "pass/texel_mark.comp") {
     all = {"", "LAYERS"};
   } else if (path == "pass/tess_gather.comp" || path == "pass/texel_gather.comp" ||

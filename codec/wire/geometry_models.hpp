@@ -3,6 +3,9 @@
 // A message is one range-coded string (range_coder.hpp). In order, each name being a model below:
 //   head      counts: objects, fresh elements, moved places, changed vertices, freed elements; base of levels
 //   objects   of each: number (as a step from the one before), 12 doubles, column by column, plain
+//   moved     of each: number (step from the one before), then its place; fields that fresh ones compare with
+//   the last
+//             element are compared with its own
 //   fresh     of each element: same style as the last one, else the style; triangles; mirrored; piece or not.
 //             Of a piece: its parent's number, as a step from the last parent. Of others its corners; a
 //             corner is
@@ -14,9 +17,6 @@
 //             Then its place. Of a patch: its level, same as the last one's or not; its block's x and y in
 //             units of the block, as steps from those of the last block of this level. Of a triangle: fields
 //             of its words, each the same as the last element's or a step from it.
-//   moved     of each: number (step from the one before), then its place; fields that fresh ones compare with
-//   the last
-//             element are compared with its own
 //   changed   of each vertex: number (step), level, steps from where it was
 //   freed     of each: number (step)
 //   end       kEndMark, plain

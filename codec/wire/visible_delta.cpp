@@ -310,6 +310,16 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   s.codeObjects(io, visible, objects);
   s.statistics.objectBits = io.coder.cost();
 
+  double before = io.coder.cost();
+  std::uint32_t last = kNone;
+  for (auto& [slot, words] : moved) {
+    codeRising(io, models.movedGap, last, slot);
+    last = slot;
+    codePlace(io, s.source.method, models, &s.stream.elements[slot].words, words);
+    s.stream.elements[slot].words = words;
+  }
+  s.statistics.placeBits += io.coder.cost() - before;
+
   // Pieces find their triangle among what is live, old or new: triangles come first.
   std::vector<Live> added;
   s.live = kept;
@@ -331,16 +341,6 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
     added.push_back({element.id, s.codeFresh(io, element)});
   }
   merge();
-
-  double before = io.coder.cost();
-  std::uint32_t last = kNone;
-  for (auto& [slot, words] : moved) {
-    codeRising(io, models.movedGap, last, slot);
-    last = slot;
-    codePlace(io, s.source.method, models, &s.stream.elements[slot].words, words);
-    s.stream.elements[slot].words = words;
-  }
-  s.statistics.placeBits += io.coder.cost() - before;
 
   before = io.coder.cost();
   last = kNone;

@@ -356,9 +356,9 @@ struct VisibleMirror::State {
       if (counts[i] > limits[i])
         return fail("geometry: {} {} are more than {}", counts[i], kNames[i], limits[i]);
     if (auto good = decodeObjects(io, counts[0]); !good) return good;
+    if (auto good = decodeMoved(io, counts[2]); !good) return good;
     for (std::uint32_t i = 0; i < counts[1]; ++i)
       if (auto good = decodeFresh(io); !good) return good;
-    if (auto good = decodeMoved(io, counts[2]); !good) return good;
     if (auto good = decodeChanged(io, counts[3]); !good) return good;
     if (auto good = decodeFreed(io, counts[4]); !good) return good;
     std::uint32_t mark = 0;

@@ -65,7 +65,7 @@ struct Writer {
     out.u16(m.versions.newest);
     out.text(cut(m.why));
   }
-  void operator()(const Setup& m) const {
+  void operator()(const StreamSetup& m) const {
     out.u16(m.version);
     out.u8(static_cast<std::uint8_t>(m.method));
     out.u8(static_cast<std::uint8_t>(m.chroma));
@@ -241,7 +241,7 @@ Result<Message> decode(Kind kind, std::span<const std::uint8_t> body) {
       return c.done(std::move(m));
     }
     case Kind::Setup: {
-      Setup m;
+      StreamSetup m;
       m.version = c.in.u16();
       m.method = c.oneOf("method", Method::Tess);
       m.chroma = c.oneOf("chroma", Chroma::C444);

@@ -85,7 +85,7 @@ struct Refusal {
 
 enum class Chroma : std::uint8_t { C420 = 1, C444 = 2 };
 enum class Matrix : std::uint8_t { Bt601 = 1, Bt709 = 2 };
-struct Setup {
+struct StreamSetup {
   std::uint16_t version = 1;  // spoken from here on
   Method method = Method::Rect;
   Chroma chroma = Chroma::C420;
@@ -150,7 +150,7 @@ struct AskIFrame {
 };
 
 using Message =
-    std::variant<Hello, Refusal, Setup, FrameHeader, Geometry, MaskImage, Acknowledge, Pose, AskIFrame>;
+    std::variant<Hello, Refusal, StreamSetup, FrameHeader, Geometry, MaskImage, Acknowledge, Pose, AskIFrame>;
 Kind kindOf(const Message& message);
 
 /// Header and body. A text past kMostTextBytes is cut there. Fails where the body would be past mostBytes():

@@ -19,7 +19,7 @@ packages=(
   g++ cmake ninja-build ccache git python3 python3-glad
   libosmesa6-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers
   libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
-  libglfw3-dev libgtest-dev libzstd-dev glslang-tools
+  libglfw3-dev libgtest-dev libzstd-dev libmeshoptimizer-dev glslang-tools
 )
 
 step=""

@@ -92,7 +92,7 @@ inline constexpr std::array<WordField, 15> kTessFields = {{{0, 0, 2},
 
 /// Everything that both ends remember from message to message.
 struct GeometryModels {
-  std::array<NumberModel, 5> counts;
+  std::array<NumberModel, 6> counts;
   NumberModel objectGap;
 
   BitModel sameStyle;
@@ -127,6 +127,7 @@ struct GeometryModels {
   SignedModel changedLevel;
   std::array<std::array<SignedModel, 8>, 3> changedStep;  // by axis, levels refined
   NumberModel freedGap;
+  NumberModel hiddenGap;
 
   // What the next number is expected to be near.
   std::uint32_t style = 0;

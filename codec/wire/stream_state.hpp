@@ -28,6 +28,7 @@ struct StreamedElementState {
   std::uint32_t pieces = 0;      // elements that are pieces of this one
   std::uint8_t triangles = 0;    // 0 of a piece
   bool mirrored = false;
+  bool hidden = false;  // out of sight, but remembered
   [[nodiscard]] std::size_t corners() const { return triangles == 0 ? 0 : std::size_t{triangles} + 2; }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <unordered_map>
 
 #include "codec/wire/geometry_coding.hpp"
 
@@ -34,21 +35,28 @@ glm::ivec2 maskSteps(const glm::vec2& at) {
 
 struct VisibleDelta::State {
   const GeometrySource& source;
+  DeltaOptions options;
   int headroom;
   StreamState stream;
   DeltaStatistics statistics;
-  std::vector<Live> live;                  // by id
-  std::vector<std::uint32_t> vertexSlot;   // of the source's vertices, kNone where not sent
-  std::vector<std::uint32_t> vertexOf;     // of the slots
+  std::vector<Live> live;  // by id
+  struct Kept {
+    std::uint32_t slot;
+    std::uint32_t since;  // frame in which it was not seen any more
+  };
+  std::unordered_map<std::uint32_t, Kept> kept;  // hidden elements, by id
+  std::vector<std::uint32_t> vertexSlot;         // of the source's vertices, kNone where not sent
+  std::vector<std::uint32_t> vertexOf;           // of the slots
   std::vector<int> wanted;                 // level, of the source's vertices that this frame's elements use
   std::vector<std::uint32_t> wantedFrame;  // in which that was
   std::uint32_t frame = 0;
   std::vector<ObjectTransform> sentObjects;
   std::vector<bool> objectSent;
 
-  State(const GeometrySource& from, int more)
+  State(const GeometrySource& from, const DeltaOptions& how)
       : source(from),
-        headroom(std::clamp(more, 0, 8)),
+        options(how),
+        headroom(std::clamp(how.headroom, 0, 8)),
         vertexSlot(from.vertices.size(), kNone),
         wanted(from.vertices.size(), kCoarsestLevel),
         wantedFrame(from.vertices.size(), 0) {}
@@ -197,8 +205,8 @@ struct VisibleDelta::State {
   }
 };
 
-VisibleDelta::VisibleDelta(const GeometrySource& source, int headroom)
-    : s_(std::make_unique<State>(source, headroom)) {}
+VisibleDelta::VisibleDelta(const GeometrySource& source, const DeltaOptions& options)
+    : s_(std::make_unique<State>(source, options)) {}
 VisibleDelta::~VisibleDelta() = default;
 VisibleDelta::VisibleDelta(VisibleDelta&&) noexcept = default;
 VisibleDelta& VisibleDelta::operator=(VisibleDelta&&) noexcept = default;
@@ -218,6 +226,7 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   // What is new, what stays, and what is gone. A piece whose triangle is another one, or was away, is new.
   std::vector<VisibleElement> fresh;
   std::vector<std::uint32_t> gone;
+  std::vector<std::uint32_t> hidden;
   std::vector<std::pair<std::uint32_t, std::array<std::uint32_t, kMostWords>>> moved;
   std::vector<Live> kept;
   kept.reserve(elements.size());
@@ -225,13 +234,29 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   {
     auto old = s.live.begin();
     const auto drop = [&](const Live& element) {
-      gone.push_back(element.slot);
       freeing[element.slot] = true;
+      const StreamedElementState& state = s.stream.elements[element.slot];
+      // Of what is split, the pieces go anyway.
+      const bool whole = state.parent == kNone && (s.source.method == Method::Rect || state.words[5] == 0);
+      if (whole && s.options.keepFrames > 0 && s.kept.size() < s.options.keepMost) {
+        hidden.push_back(element.slot);
+        s.kept[element.id] = {element.slot, s.frame};
+      } else {
+        gone.push_back(element.slot);
+      }
     };
     for (const VisibleElement& element : elements) {
       for (; old != s.live.end() && old->id < element.id; ++old) drop(*old);
       if (old == s.live.end() || old->id != element.id) {
-        fresh.push_back(element);
+        const auto known = s.kept.find(element.id);
+        if (known == s.kept.end() || element.parent != kNone) {
+          fresh.push_back(element);
+          continue;
+        }
+        kept.push_back({element.id, known->second.slot});
+        moved.emplace_back(known->second.slot, sentWords(s.source.method, element));
+        s.kept.erase(known);
+        ++s.statistics.shownElements;
         continue;
       }
       const Live was = *old++;
@@ -258,7 +283,13 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
     for (; old != s.live.end(); ++old) drop(*old);
   }
   std::sort(moved.begin(), moved.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto at = s.kept.begin(); at != s.kept.end();) {
+    const bool old = s.frame - at->second.since >= s.options.keepFrames;
+    if (old) gone.push_back(at->second.slot);
+    at = old ? s.kept.erase(at) : std::next(at);
+  }
   std::sort(gone.begin(), gone.end());
+  std::sort(hidden.begin(), hidden.end());
 
   // Vertices that the viewer has and that must change.
   std::vector<std::pair<std::uint32_t, int>> changed;  // slot, level
@@ -307,6 +338,7 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   countOf(2, moved.size());
   countOf(3, changed.size());
   countOf(4, gone.size());
+  countOf(5, hidden.size());
   s.codeObjects(io, visible, objects);
   s.statistics.objectBits = io.coder.cost();
 
@@ -317,6 +349,7 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
     last = slot;
     codePlace(io, s.source.method, models, &s.stream.elements[slot].words, words);
     s.stream.elements[slot].words = words;
+    s.stream.elements[slot].hidden = false;
   }
   s.statistics.placeBits += io.coder.cost() - before;
 
@@ -362,6 +395,12 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   }
   for (const std::uint32_t slot : gone)
     s.stream.giveElement(slot, [&](std::uint32_t vertex) { s.vertexSlot[s.vertexOf[vertex]] = kNone; });
+  last = kNone;
+  for (std::uint32_t slot : hidden) {
+    codeRising(io, models.hiddenGap, last, slot);
+    last = slot;
+    s.stream.elements[slot].hidden = true;
+  }
   s.statistics.freedBits = io.coder.cost() - before;
   std::uint32_t mark = kEndMark;
   io.plain(mark, kEndBits);
@@ -369,6 +408,7 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   s.statistics.freshElements = static_cast<std::uint32_t>(fresh.size());
   s.statistics.movedPlaces = static_cast<std::uint32_t>(moved.size());
   s.statistics.freedElements = static_cast<std::uint32_t>(gone.size());
+  s.statistics.hiddenElements = static_cast<std::uint32_t>(hidden.size());
   s.statistics.objects = static_cast<std::uint32_t>(objects.size());
   std::vector<std::uint8_t> bytes = io.coder.finish();
   s.statistics.bytes = bytes.size();

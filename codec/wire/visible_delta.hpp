@@ -22,6 +22,17 @@ struct VisibleFrame {
   glm::dvec3 eye{0.0};  // that `bound` is for
 };
 
+struct DeltaOptions {
+  /// Levels that vertices are sent finer than their bound asks for, [0, 8]: with 1 they are sent again when
+  /// the eye has come to half the distance.
+  int headroom = 1;
+  /// How long a viewer remembers what has gone out of sight, so that only its place is sent when it comes
+  /// back; 0: not at all. Elements at silhouettes, and those smaller than a pixel, come and go all the time.
+  std::uint32_t keepFrames = 60;
+  /// Elements remembered at most.
+  std::uint32_t keepMost = 1u << 17;
+};
+
 /// What a message holds, and how many bits of it each part takes.
 struct DeltaStatistics {
   std::uint32_t freshElements = 0;
@@ -31,11 +42,13 @@ struct DeltaStatistics {
   std::uint32_t refinedVertices = 0;   // sent again for a finer grid
   std::uint32_t deformedVertices = 0;  // for another position
   std::uint32_t freedElements = 0;
+  std::uint32_t hiddenElements = 0;  // gone, but remembered
+  std::uint32_t shownElements = 0;   // of moved places: those that were remembered
   std::uint32_t objects = 0;
   double vertexBits = 0.0;    // fresh, refined and deformed positions
   double triangleBits = 0.0;  // corners and styles
   double placeBits = 0.0;     // fresh and moved
-  double freedBits = 0.0;
+  double freedBits = 0.0;     // and hidden
   double objectBits = 0.0;
   std::size_t bytes = 0;  // of the message
 };
@@ -43,9 +56,8 @@ struct DeltaStatistics {
 /// One a viewer: it knows what that viewer has. The first message of a new one holds everything.
 class VisibleDelta {
  public:
-  /// `source` must outlive this. `headroom`: levels that vertices are sent finer than their bound asks for,
-  /// [0, 8]; with 1 they are sent again when the eye has come to half the distance.
-  explicit VisibleDelta(const GeometrySource& source, int headroom = 1);
+  /// `source` must outlive this.
+  explicit VisibleDelta(const GeometrySource& source, const DeltaOptions& options = {});
   ~VisibleDelta();
   VisibleDelta(VisibleDelta&&) noexcept;
   VisibleDelta& operator=(VisibleDelta&&) noexcept;

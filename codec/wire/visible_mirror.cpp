@@ -84,6 +84,21 @@ struct VisibleMirror::State {
     dirty.triangles.add(slot);
   }
 
+  void writeTriangles(std::uint32_t slot, const StreamedElementState& element) {
+    for (std::uint32_t part = 0; part < element.triangles; ++part) {
+      glsl::StreamedTriangle triangle;
+      triangle.owner = glsl::packOwner(slot, part, element.triangles == 3, element.mirrored);
+      triangle.v0 = element.vertex[glsl::ownerCorner(triangle.owner, 0)];
+      triangle.v1 = element.vertex[glsl::ownerCorner(triangle.owner, 1)];
+      triangle.v2 = element.vertex[glsl::ownerCorner(triangle.owner, 2)];
+      writeTriangle(element.triangle[part], triangle);
+    }
+  }
+  void hideTriangles(const StreamedElementState& element) {
+    for (std::uint32_t part = 0; part < element.triangles; ++part)
+      writeTriangle(element.triangle[part], freeTriangle());
+  }
+
   Result<void> checkPlace(std::uint32_t slot, const StreamedElementState& element) const {
     const auto& words = element.words;
     const auto inside = [&](std::uint32_t x, std::uint32_t y, std::uint32_t width,
@@ -256,14 +271,7 @@ struct VisibleMirror::State {
     if (auto good = enough(io); !good) return good;
     stream.elements[slot] = element;
     if (auto good = writeElement(slot, element); !good) return good;
-    for (std::uint32_t part = 0; part < element.triangles; ++part) {
-      glsl::StreamedTriangle triangle;
-      triangle.owner = glsl::packOwner(slot, part, element.triangles == 3, element.mirrored);
-      triangle.v0 = element.vertex[glsl::ownerCorner(triangle.owner, 0)];
-      triangle.v1 = element.vertex[glsl::ownerCorner(triangle.owner, 1)];
-      triangle.v2 = element.vertex[glsl::ownerCorner(triangle.owner, 2)];
-      writeTriangle(element.triangle[part], triangle);
-    }
+    writeTriangles(slot, element);
     if (piece) return enterPiece(slot, element);
     return {};
   }
@@ -292,6 +300,8 @@ struct VisibleMirror::State {
       const auto own = element.words;
       codePlace(io, method, stream.models, &own, element.words);
       if (auto good = writeElement(*slot, element); !good) return good;
+      if (element.hidden) writeTriangles(*slot, element);
+      element.hidden = false;
       if (element.parent == kNone) continue;
       if (auto good = enterPiece(*slot, element); !good) return good;
     }
@@ -327,8 +337,7 @@ struct VisibleMirror::State {
     for (const std::uint32_t slot : freed) {
       const StreamedElementState element = stream.elements[slot];
       if (element.parent != kNone) leavePiece(slot, element);
-      for (std::uint32_t part = 0; part < element.triangles; ++part)
-        writeTriangle(element.triangle[part], freeTriangle());
+      hideTriangles(element);
       stream.giveElement(slot, [](std::uint32_t) {});
     }
     // Once all pieces of what is freed have left the table.
@@ -344,14 +353,33 @@ struct VisibleMirror::State {
     return {};
   }
 
+  Result<void> decodeHidden(Decoding& io, std::uint32_t count) {
+    std::uint32_t last = kNone;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto slot = decodeNumber(io, stream.models.hiddenGap, last, "hiding of element",
+                                     [&](std::uint32_t number) { return stream.elementSlots.live(number); });
+      if (!slot) return tl::unexpected(slot.error());
+      last = *slot;
+      StreamedElementState& element = stream.elements[*slot];
+      if (element.hidden || element.parent != kNone || element.pieces > 0)
+        return fail("geometry: hiding of element {}, which {}", *slot,
+                    element.hidden            ? "is hidden"
+                    : element.parent != kNone ? "is a piece"
+                                              : "has pieces");
+      hideTriangles(element);
+      element.hidden = true;
+    }
+    return {};
+  }
+
   Result<void> decode(Decoding& io) {
-    std::array<std::uint32_t, 5> counts{};
+    std::array<std::uint32_t, 6> counts{};
     for (std::size_t i = 0; i < counts.size(); ++i) io.number(stream.models.counts[i], counts[i]);
     if (auto good = enough(io); !good) return good;
-    const std::array<std::uint32_t, 5> limits = {kMostObjects, kMostElements, kMostElements, kMostVertices,
-                                                 kMostElements};
-    constexpr std::array<const char*, 5> kNames = {"objects", "fresh elements", "moved places",
-                                                   "changed vertices", "freed elements"};
+    const std::array<std::uint32_t, 6> limits = {kMostObjects,  kMostElements, kMostElements,
+                                                 kMostVertices, kMostElements, kMostElements};
+    constexpr std::array<const char*, 6> kNames = {"objects",          "fresh elements", "moved places",
+                                                   "changed vertices", "freed elements", "hidden elements"};
     for (std::size_t i = 0; i < counts.size(); ++i)
       if (counts[i] > limits[i])
         return fail("geometry: {} {} are more than {}", counts[i], kNames[i], limits[i]);
@@ -361,6 +389,7 @@ struct VisibleMirror::State {
       if (auto good = decodeFresh(io); !good) return good;
     if (auto good = decodeChanged(io, counts[3]); !good) return good;
     if (auto good = decodeFreed(io, counts[4]); !good) return good;
+    if (auto good = decodeHidden(io, counts[5]); !good) return good;
     std::uint32_t mark = 0;
     io.plain(mark, kEndBits);
     if (auto good = enough(io); !good) return good;

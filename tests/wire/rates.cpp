@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/wire/visible_mirror.hpp"
+#include "tests/wire/other_codecs.hpp"
 
 namespace tessera::test {
 
@@ -97,9 +98,85 @@ double largestErrorOf(const Recording& recording, const Recording::Frame& frame,
 }
 
 void line(std::string& text, const char* what, const Rate& rate, std::size_t frames) {
-  text += fmt::format("  {:<22}{:>12.0f}{:>12.0f}{:>8.2f}{:>12.1f}\n", what, rate.plain, rate.sent,
-                      rate.ratio(), rate.sent / static_cast<double>(std::max<std::size_t>(frames, 1)));
+  const auto ratio = [&](double sent) {
+    return sent > 0.0 ? fmt::format("{:.2f}", rate.plain / sent) : std::string("-");
+  };
+  text += fmt::format("  {:<20}{:>11.0f}{:>11.0f}{:>9.0f}{:>8}{:>15}{:>16}\n", what, rate.plain, rate.sent,
+                      rate.sent / static_cast<double>(std::max<std::size_t>(frames, 1)), ratio(rate.sent),
+                      ratio(rate.meshoptimizer), ratio(rate.octree));
 }
+
+// What messages say, by plain means: elements and vertices that a frame has and the one before had not.
+class PlainStream {
+ public:
+  explicit PlainStream(const Recording& recording) : recording_(recording) {}
+
+  PlainMessage next(const Recording::Frame& frame) {
+    const wire::GeometrySource& source = recording_.source;
+    const wire::PixelBound bound = wire::boundOf(frame.camera, 0.1, 0.0);
+    PlainMessage message;
+    message.stride = 1 + wire::wordsOf(source.method);
+    std::map<std::uint32_t, std::array<std::uint32_t, wire::kMostWords>> places;
+    std::map<std::uint32_t, std::uint32_t> vertices;
+    std::map<std::uint32_t, int> levels;
+    for (const wire::VisibleElement& element : frame.elements) {
+      places[element.id] = element.words;
+      if (element.parent != wire::kNone) continue;
+      const wire::SourceElement& from = source.elements[element.id];
+      for (std::size_t part = 0; part < from.triangles; ++part) {
+        std::array<glm::dvec3, 3> at;
+        const std::array<std::uint32_t, 3> corners = {from.vertex[0], from.vertex[part + 1],
+                                                      from.vertex[part + 2]};
+        double stretch = 0.0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const wire::SourceVertex& v = source.vertices[corners[c]];
+          at[c] = frame.objects[v.object].world * glm::dvec4(v.position, 1.0) - frame.camera.eye;
+          stretch = std::max(stretch, wire::stretchOf(frame.objects[v.object].world));
+        }
+        const int level = bound.level(wire::distanceToTriangle(at[0], at[1], at[2]), stretch) - 1;
+        for (const std::uint32_t corner : corners) {
+          const auto [entry, added] = levels.emplace(corner, level);
+          if (!added) entry->second = std::min(entry->second, level);
+        }
+      }
+    }
+    for (const auto& [id, words] : places) {
+      const auto had = places_.find(id);
+      if (had != places_.end() && had->second == words) continue;
+      message.places.push_back(id);
+      for (std::size_t i = 0; i + 1 < message.stride; ++i) message.places.push_back(words[i]);
+      if (had != places_.end() || id >= source.elements.size()) continue;
+      const wire::SourceElement& from = source.elements[id];
+      const auto numberOf = [&](std::uint32_t vertex) {
+        if (const auto old = vertices_.find(vertex); old != vertices_.end()) return old->second;
+        const auto [entry, added] = vertices.emplace(vertex, count_);
+        if (!added) return entry->second;
+        const int level = wire::levelFor(source.vertices[vertex].position, levels[vertex]);
+        message.vertices.push_back(wire::stepsOf(source.vertices[vertex].position, level));
+        message.levels.push_back(level);
+        message.numbers.push_back(count_);
+        return count_++;
+      };
+      for (std::size_t part = 0; part < from.triangles; ++part)
+        for (const std::uint32_t vertex : {from.vertex[0], from.vertex[part + 1], from.vertex[part + 2]})
+          message.triangles.push_back(numberOf(vertex));
+    }
+    for (const auto& [id, words] : places_)
+      if (!places.contains(id)) message.freed.push_back(id);
+    // Vertices go with their last element.
+    for (auto at = vertices_.begin(); at != vertices_.end();)
+      at = levels.contains(at->first) ? std::next(at) : vertices_.erase(at);
+    vertices_.merge(vertices);
+    places_ = std::move(places);
+    return message;
+  }
+
+ private:
+  const Recording& recording_;
+  std::map<std::uint32_t, std::array<std::uint32_t, wire::kMostWords>> places_;
+  std::map<std::uint32_t, std::uint32_t> vertices_;  // numbers of those that the viewer has
+  std::uint32_t count_ = 0;
+};
 
 }  // namespace
 
@@ -107,6 +184,7 @@ Rates ratesOf(const Recording& recording) {
   Rates rates;
   rates.frames = recording.frames.size();
   wire::VisibleDelta delta(recording.source);
+  PlainStream others(recording);
   wire::VisibleMirror mirror(recording.source.method, {32767, 65535});
   std::vector<double> encode;
   std::vector<double> decode;
@@ -140,6 +218,17 @@ Rates ratesOf(const Recording& recording) {
     rates.places.sent += s.placeBits / 8.0;
     rates.freed.sent += s.freedBits / 8.0;
     rates.objects.sent += s.objectBits / 8.0;
+    const PlainMessage content = others.next(frame);
+    for (double Rate::*const codec : {&Rate::meshoptimizer, &Rate::octree}) {
+      const PlainBits bits = codec == &Rate::octree ? octreeGolombBits(content) : meshoptimizerBits(content);
+      rates.vertices.*codec += bits.vertices / 8.0;
+      rates.vertexIds.*codec += bits.numbers / 8.0;
+      rates.triangles.*codec += bits.triangles / 8.0;
+      rates.places.*codec += bits.places / 8.0;
+      rates.freed.*codec += bits.freed / 8.0;
+      (i == 0 ? rates.first : rates.rest).*codec +=
+          (bits.vertices + bits.numbers + bits.triangles + bits.places + bits.freed) / 8.0;
+    }
     Rate& part = i == 0 ? rates.first : rates.rest;
     part.plain += plain;
     part.sent += static_cast<double>(message.size());
@@ -156,21 +245,25 @@ Rates ratesOf(const Recording& recording) {
 }
 
 std::string table(const Rates& rates) {
-  std::string text =
-      fmt::format("  {:<22}{:>12}{:>12}{:>8}{:>12}\n", "", "plain bytes", "sent", "ratio", "a frame");
+  std::string text = fmt::format("  {:<20}{:>11}{:>11}{:>9}{:>8}{:>15}{:>16}\n", "", "plain", "sent",
+                                 "a frame", "ratio", "meshoptimizer", "octree, Golomb");
   line(text, "vertex coordinates", rates.vertices, rates.frames);
   line(text, "vertex numbers", rates.vertexIds, rates.frames);
   line(text, "triangles", rates.triangles, rates.frames);
   line(text, "atlas coordinates", rates.places, rates.frames);
   line(text, "freed", rates.freed, rates.frames);
   line(text, "objects", rates.objects, rates.frames);
+  Rate whole = rates.first;
+  for (double Rate::*const of : {&Rate::plain, &Rate::sent, &Rate::meshoptimizer, &Rate::octree})
+    whole.*of += rates.rest.*of;
+  line(text, "together", whole, rates.frames);
   line(text, "first message", rates.first, 1);
   line(text, "all others", rates.rest, rates.frames - 1);
   text += fmt::format(
-      "  together {:.2f}; largest error {:.4f} pixels; {} vertices ({:.1f} bits each), {} refined, {} "
+      "  largest error {:.4f} pixels; {} vertices ({:.1f} bits each), {} refined, {} "
       "triangles ({:.1f} "
       "bits), {} elements new, {} moved ({:.1f} bits a place); encode {:.1f} ms, decode {:.1f} ms a frame\n",
-      rates.together(), rates.largestError, rates.freshVertices,
+      rates.largestError, rates.freshVertices,
       8.0 * rates.vertices.sent / static_cast<double>(std::max<std::uint64_t>(rates.freshVertices, 1)),
       rates.refinedVertices, rates.freshTriangles,
       8.0 * rates.triangles.sent / static_cast<double>(std::max<std::uint64_t>(rates.freshTriangles, 1)),

@@ -7,10 +7,12 @@
 
 namespace tessera::test {
 
-/// Bytes of one kind of content: as plain arrays, and sent.
+/// Bytes of one kind of content: as plain arrays, sent, and by the other codecs (see other_codecs.hpp).
 struct Rate {
   double plain = 0.0;
   double sent = 0.0;
+  double meshoptimizer = 0.0;
+  double octree = 0.0;
   [[nodiscard]] double ratio() const { return sent > 0.0 ? plain / sent : 0.0; }
 };
 

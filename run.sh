@@ -3,7 +3,7 @@
 #   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
 #   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
 #   ./run.sh test --sanitize   the CPU tests and the hard cases under AddressSanitizer and UBSan, in a build of their own
-#   ./run.sh fuzz --seconds N  scene and JSON loading and video decoding under a fuzzer (installs clang), N seconds each
+#   ./run.sh fuzz --seconds N  scenes, JSON, video and messages under a fuzzer (installs clang), N seconds each
 #   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
 #   ./run.sh build             set up and build
 #   ./run.sh tessera ARGS...   run the program
@@ -19,7 +19,7 @@ packages=(
   g++ cmake ninja-build ccache git python3 python3-glad
   libosmesa6-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers
   libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
-  libglfw3-dev libgtest-dev libzstd-dev glslang-tools
+  libglfw3-dev libgtest-dev libzstd-dev libmeshoptimizer-dev glslang-tools
   libavcodec-dev libavutil-dev
 )
 
@@ -108,7 +108,7 @@ case "$command" in
     install_packages "${packages[@]}" clang
     build=build/fuzz
     preset=fuzz
-    targets=(fuzz_scene fuzz_json fuzz_video)
+    targets=(fuzz_scene fuzz_json fuzz_video fuzz_wire)
     build_all
     for target in "${targets[@]}"; do
       say "$target for $seconds s"

@@ -1,0 +1,144 @@
+// The geometry message: its layout, and the models that its two ends keep alike.
+//
+// A message is one range-coded string (range_coder.hpp). In order, each name being a model below:
+//   head      counts: objects, fresh elements, moved places, changed vertices, freed elements; base of levels
+//   objects   of each: number (as a step from the one before), 12 doubles, column by column, plain
+//   moved     of each: number (step from the one before), then its place; fields that fresh ones compare with
+//   the last
+//             element are compared with its own
+//   fresh     of each element: same style as the last one, else the style; triangles; mirrored; piece or not.
+//             Of a piece: its parent's number, as a step from the last parent. Of others its corners; a
+//             corner is
+//               new     a vertex that was never sent: object (same as the last one's or not), level, steps
+//               from where it is
+//                       expected, mask coordinates in masked elements
+//               recent  place in a list of the vertices used last
+//               else    its number, as a step from the last one so given
+//             Then its place. Of a patch: its level, same as the last one's or not; its block's x and y in
+//             units of the block, as steps from those of the last block of this level. Of a triangle: fields
+//             of its words, each the same as the last element's or a step from it.
+//   changed   of each vertex: number (step), level, steps from where it was
+//   freed     of each: number (step)
+//   end       kEndMark, plain
+// Numbers of fresh elements, triangles and vertices follow from SlotPool; a vertex is freed with its last
+// element. All of fresh is applied before freed.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "codec/wire/geometry.hpp"
+#include "codec/wire/range_coder.hpp"
+
+namespace tessera::wire {
+
+inline constexpr std::uint32_t kEndMark = 0x5a;
+inline constexpr int kEndBits = 8;
+
+/// The vertices used last, most recent first.
+class RecentVertices {
+ public:
+  static constexpr int kBits = 6;
+  static constexpr std::uint32_t kNotFound = 1u << kBits;
+  RecentVertices() { entries_.fill(kNone); }
+  [[nodiscard]] std::uint32_t find(std::uint32_t vertex) const {
+    const auto found = std::find(entries_.begin(), entries_.end(), vertex);
+    return static_cast<std::uint32_t>(found - entries_.begin());
+  }
+  [[nodiscard]] std::uint32_t at(std::uint32_t place) const { return entries_[place]; }
+  /// To the front, from its place or, if it has none (kNotFound), in place of the oldest.
+  void use(std::uint32_t vertex, std::uint32_t place) {
+    const std::size_t from = std::min<std::size_t>(place, entries_.size() - 1);
+    std::copy_backward(entries_.begin(), entries_.begin() + static_cast<std::ptrdiff_t>(from),
+                       entries_.begin() + static_cast<std::ptrdiff_t>(from) + 1);
+    entries_[0] = vertex;
+  }
+
+ private:
+  std::array<std::uint32_t, std::size_t{1} << kBits> entries_{};
+};
+
+/// Of a patch's level word: sizes and whether it is transposed. The bits above are the server's own.
+inline constexpr int kRectLevelBits = 9;
+
+/// Bits of a tessellation gatherer's word that change together.
+struct WordField {
+  std::uint32_t word;
+  std::uint32_t shift;
+  std::uint32_t bits;
+  [[nodiscard]] std::uint32_t mask() const { return bits == 32 ? 0xffffffffu : (1u << bits) - 1u; }
+  [[nodiscard]] std::uint32_t of(const std::array<std::uint32_t, kMostWords>& words) const {
+    return (words[word] >> shift) & mask();
+  }
+};
+/// All bits of an element's words, as TessShape, packPlace and packPiece in glsl/shared have them.
+inline constexpr std::array<WordField, 15> kTessFields = {{{0, 0, 2},
+                                                           {0, 2, 30},
+                                                           {1, 0, 12},
+                                                           {1, 12, 12},
+                                                           {1, 24, 8},
+                                                           {2, 0, 16},
+                                                           {2, 16, 16},
+                                                           {3, 0, 15},
+                                                           {3, 15, 1},
+                                                           {3, 16, 16},
+                                                           {4, 0, 15},
+                                                           {4, 15, 1},
+                                                           {4, 16, 16},
+                                                           {5, 0, 8},
+                                                           {5, 8, 24}}};
+
+/// Everything that both ends remember from message to message.
+struct GeometryModels {
+  std::array<NumberModel, 6> counts;
+  NumberModel objectGap;
+
+  BitModel sameStyle;
+  SymbolModel<2> triangles;
+  BitModel mirrored;
+  BitModel piece;
+  SignedModel parentStep;
+  struct Corner {
+    std::array<BitModel, 4> fresh;  // by whether the corners before were
+    BitModel recent;
+    SymbolModel<RecentVertices::kBits> place;
+    SignedModel step;
+  };
+  std::array<Corner, 5> corners;
+  BitModel sameObject;
+  SignedModel level;
+  std::array<std::array<std::array<SignedModel, 4>, 3>, 5> steps;  // by corner, axis, size of the axes before
+  std::array<SignedModel, 2> mask;
+
+  std::array<BitModel, 2> rectKept;  // fresh, moved
+  std::array<SymbolModel<kRectLevelBits>, 2> rectLevel;
+  std::array<BitModel, 2> rectAligned;
+  std::array<std::array<std::array<SignedModel, 16>, 2>, 2>
+      rectStep;  // by fresh or moved, axis, size of the block
+  std::array<std::uint32_t, std::size_t{1} << kRectLevelBits>
+      rectOrigin{};                                  // of the last block of each level
+  std::array<std::array<BitModel, 2>, 15> tessKept;  // fresh, moved
+  std::array<std::array<SignedModel, 2>, 15> tessStep;
+
+  NumberModel movedGap;
+  NumberModel changedGap;
+  SignedModel changedLevel;
+  std::array<std::array<SignedModel, 8>, 3> changedStep;  // by axis, levels refined
+  NumberModel freedGap;
+  NumberModel hiddenGap;
+
+  // What the next number is expected to be near.
+  std::uint32_t style = 0;
+  std::uint32_t parent = 0;
+  std::uint32_t explicitVertex = 0;
+  std::uint32_t object = 0;
+  int vertexLevel = 0;
+  glm::dvec3 vertexPosition{0.0};
+  glm::ivec2 maskSteps{0};
+  std::array<std::uint32_t, kMostWords> words{};
+  RecentVertices recent;
+};
+
+}  // namespace tessera::wire

@@ -1,0 +1,47 @@
+#include "codec/wire/message_order.hpp"
+
+namespace tessera::wire {
+
+Result<void> MessageOrder::accept(const Message& message) {
+  const Kind kind = kindOf(message);
+  if (refused_) return fail("{}: after a refusal", nameOf(kind));
+  if (kind == Kind::Refusal) {
+    refused_ = true;
+    return {};
+  }
+  if (const Hello* hello = std::get_if<Hello>(&message)) {
+    if (greeted_) return fail("hello: a second one");
+    if (hello->role != peer_)
+      return fail("hello: from a {}", hello->role == Role::Server ? "server" : "viewer");
+    greeted_ = true;
+    return {};
+  }
+  if (!greeted_) return fail("{}: before a hello", nameOf(kind));
+  const bool fromServer =
+      kind == Kind::Setup || kind == Kind::Frame || kind == Kind::Geometry || kind == Kind::Mask;
+  if (fromServer != (peer_ == Role::Server))
+    return fail("{}: from a {}", nameOf(kind), fromServer ? "viewer" : "server");
+  if (kind == Kind::Setup) {
+    if (setUp_) return fail("setup: a second one");
+    setUp_ = true;
+    return {};
+  }
+  if (fromServer && !setUp_) return fail("{}: before the setup", nameOf(kind));
+  if (const FrameHeader* frame = std::get_if<FrameHeader>(&message)) {
+    if (!geometryDone_) return fail("frame {}: frame {} had no geometry", frame->frame, frame_);
+    if (frame->frame <= frame_) return fail("frame {}: after frame {}", frame->frame, frame_);
+    frame_ = frame->frame;
+    geometryDone_ = false;
+  } else if (const Geometry* geometry = std::get_if<Geometry>(&message)) {
+    if (geometry->frame != frame_ || geometryDone_)
+      return fail("geometry: of frame {}, after frame {}{}", geometry->frame, frame_,
+                  geometryDone_ ? ", which has its own" : "");
+    geometryDone_ = true;
+  } else if (const Pose* pose = std::get_if<Pose>(&message)) {
+    if (pose->number <= pose_) return fail("pose {}: after pose {}", pose->number, pose_);
+    pose_ = pose->number;
+  }
+  return {};
+}
+
+}  // namespace tessera::wire

@@ -20,7 +20,7 @@ packages=(
   libosmesa6-dev libegl-dev libgl-dev libegl-mesa0 libgl1-mesa-dri mesa-vulkan-drivers
   libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
   libglfw3-dev libgtest-dev libzstd-dev libmeshoptimizer-dev glslang-tools
-  libavcodec-dev libavutil-dev
+  libavcodec-dev libavformat-dev libavutil-dev libasio-dev libssl-dev libsrtp2-dev
 )
 
 step=""

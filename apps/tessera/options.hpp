@@ -107,14 +107,10 @@ struct SpatialReuse {
 };
 Result<SpatialReuse> spatialOf(const SpatialChoice& choice);
 
-/// The views of a run, one a frame, with their times in seconds.
-struct TimedView {
-  double time = 0.0;
-  View view;
-};
 /// Takes `pathUnlessChosen` where the stage has it and no path, camera or eye is chosen. Sets `fps`, unless
 /// it is above 0 already, so that `frames` of them cover the whole path, however few; 30 without one.
 Result<void> coverPath(CameraChoice& choice, const Stage* stage);
+/// The views of a run, one a frame.
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size);
 

@@ -89,7 +89,7 @@ class Engine {
 
   /// Moves nodes, lights and shadow maps to `time` seconds. Must be called once before the first other stage.
   void update(double time);
-  /// The union of what the views see; however many, all of the size of the first.
+  /// The union of what the views see, however many.
   void findVisible(std::span<const View> views);
   /// The same at several times, with animated objects where they are at each view's: a potentially visible
   /// set (see predictedViews and widened). Views of one size in a row at one time, or in a scene that nothing

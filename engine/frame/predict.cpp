@@ -77,9 +77,12 @@ View sampleRecorded(std::span<const TimedView> recorded, double time) {
   if (after == recorded.begin()) return recorded.front().view;
   if (after == recorded.end()) return recorded.back().view;
   const TimedView& before = *(after - 1);
-  // At its own time a pose is itself, not what rounding makes of its neighbour.
-  if (before.time == time) return before.view;
-  return moved(before.view, after->view, (time - before.time) / (after->time - before.time));
+  const double fraction = (time - before.time) / (after->time - before.time);
+  // At its own time a pose is itself, whatever rounding there is in the sum that is the time.
+  constexpr double kSame = 1e-6;
+  if (fraction < kSame) return before.view;
+  if (fraction > 1.0 - kSame) return after->view;
+  return moved(before.view, after->view, fraction);
 }
 
 std::vector<double> pvsTimes(double now, const PvsOptions& options) {

@@ -1,8 +1,9 @@
 // tessera pvs: how well potentially visible sets at predicted views fit what is shown within the latency.
-#include <array>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,8 @@ struct PvsCommand {
   std::vector<int> steps = {PvsOptions().steps};
   double latencyMs = 1e3 * PvsOptions().latency;
   PvsSampling sampling;
+  double speed = 1.0;
+  std::string headTurn;  // "degrees,hertz"
   std::string element = "patch";
   std::string output;
   std::string json;
@@ -43,7 +46,7 @@ Result<std::vector<PvsOptions>> waysOf(const PvsCommand& command) {
   for (const std::string& name : command.predictions) {
     const Prediction prediction = kPredictions.at(name);
     for (const double degrees : command.margins)
-      for (const int steps : command.steps) {
+      for (const int& steps : command.steps) {
         if (prediction == Prediction::None && &steps != &command.steps.front()) continue;
         const PvsOptions options{.prediction = prediction,
                                  .latency = 1e-3 * command.latencyMs,
@@ -56,10 +59,34 @@ Result<std::vector<PvsOptions>> waysOf(const PvsCommand& command) {
   return ways;
 }
 
+/// A head that turns to and fro about its own vertical while the camera moves: `degrees` to either side of
+/// where the path looks, `hertz` times a second.
+void turnHead(std::span<TimedView> path, double degrees, double hertz) {
+  for (TimedView& pose : path) {
+    const double angle =
+        glm::radians(degrees) * std::sin(2.0 * std::numbers::pi * hertz * (pose.time - path.front().time));
+    const glm::dvec3 right = glm::cross(pose.view.forward, pose.view.up);
+    pose.view.forward = std::cos(angle) * pose.view.forward + std::sin(angle) * right;
+  }
+}
+
+Result<glm::dvec2> headTurnOf(const std::string& text) {
+  if (text.empty()) return glm::dvec2(0.0);
+  auto turn = parsePair("--head-turn", text);
+  if (!turn) return tl::unexpected(turn.error());
+  if (!(turn->x >= 0.0 && turn->x <= 90.0))
+    return fail("--head-turn {}: {:g} degrees are outside [0, 90]", text, turn->x);
+  if (!(turn->y >= 0.0 && turn->y <= 10.0))
+    return fail("--head-turn {}: {:g} turns a second are outside [0, 10]", text, turn->y);
+  return *turn;
+}
+
 Result<PvsScene> pvsScene(gl::Context& context, const std::string& file, const PvsCommand& command,
                           std::span<const PvsOptions> ways, glm::ivec2 size) {
+  const auto headTurn = headTurnOf(command.headTurn);
+  if (!headTurn) return tl::unexpected(headTurn.error());
   CameraChoice camera = command.camera;
-  camera.fps = command.sampling.rate;
+  camera.fps = command.sampling.rate / command.speed;
   // A camera that stands still: as many poses as the frames take.
   const bool still = !camera.camera.empty() || !camera.eye.empty();
   const auto needed = static_cast<int>(command.sampling.shownViews()) + command.sampling.frames;
@@ -73,13 +100,16 @@ Result<PvsScene> pvsScene(gl::Context& context, const std::string& file, const P
     auto measured = loadMeasured(file, command.stage, camera, size, step);
     if (!measured) return tl::unexpected(measured.error());
     pathName = measured->path;
+    if (command.speed != 1.0) pathName += fmt::format(", {:g} times as fast", command.speed);
+    if (headTurn->x > 0.0)
+      pathName += fmt::format(", head turning by {:g}° at {:g} Hz", headTurn->x, headTurn->y);
     path = std::move(measured->views);
     // A scene without a path of its own stands still as well.
-    if (pathName == "none" && !still) {
-      path.resize(static_cast<std::size_t>(needed), path.front());
-      for (std::size_t i = 0; i < path.size(); ++i)
-        path[i].time = static_cast<double>(i) / command.sampling.rate;
-    }
+    if (measured->path == "none" && !still) path.resize(static_cast<std::size_t>(needed), path.front());
+    // The scene's own time runs as ever, however fast the path is walked.
+    for (std::size_t i = 1; i < path.size(); ++i)
+      path[i].time = path.front().time + static_cast<double>(i) / command.sampling.rate;
+    turnHead(path, headTurn->x, headTurn->y);
     AtlasChoice atlas;
     atlas.sampling = command.element == "triangle" ? Sampling::Tess : Sampling::Rect;
     auto setup = engineOptions(atlas);
@@ -195,6 +225,12 @@ Run addPvs(CLI::App& app) {
   command.add_option("--rate", options->sampling.rate, "poses and shown views a second of the path")
       ->check(CLI::Range(0.1, 10000.0))
       ->capture_default_str();
+  command.add_option("--speed", options->speed, "times that the path is walked faster than it says")
+      ->check(CLI::Range(0.01, 100.0))
+      ->capture_default_str();
+  command.add_option(
+      "--head-turn", options->headTurn,
+      "degrees,hertz: on top of the path the head turns so far to either side, so often a second");
   command.add_option("--element", options->element, "what a set holds: patch or triangle")
       ->check(CLI::IsMember({"patch", "triangle"}))
       ->capture_default_str();

@@ -47,7 +47,7 @@ PvsSummary summarize(const PvsRun& run);
 
 struct PvsScene {
   std::string scene;
-  std::string path;     // the camera path's name, or "none"
+  std::string path;     // the camera path's name, or "none", and how it was changed
   std::string element;  // "patch" or "triangle"
   int width = 0;        // of the shown views, pixels
   int height = 0;

@@ -14,10 +14,11 @@ using Json = nlohmann::json;
 class PvsCli : public Cli {};
 
 TEST_F(PvsCli, MeasuresEveryWayToPredict) {
-  const Ran ran = run(fmt::format(
-      "pvs '{}' --context osmesa --size 160x90 --frames 3 --margin-deg 0,5 --steps 2,4 --latency-ms 33.33333333 "
-      "--speed 3 -o report --json other.json",
-      atrium()));
+  const Ran ran =
+      run(fmt::format("pvs '{}' --context osmesa --size 160x90 --frames 3 --margin-deg 0,5 --steps 2,4 "
+                      "--latency-ms 33.33333333 "
+                      "--speed 3 -o report --json other.json",
+                      atrium()));
   ASSERT_EQ(ran.code, 0) << ran.error;
   const Json json = Json::parse(slurp(folder_ / "report" / "pvs.json"), nullptr, false);
   ASSERT_TRUE(json.is_object());
@@ -76,6 +77,31 @@ TEST_F(PvsCli, StandsStillWithoutAPathAndCountsTriangles) {
   ASSERT_EQ(turning.code, 0) << turning.error;
   const Json turned = Json::parse(slurp(folder_ / "out.json"), nullptr, false);
   EXPECT_LT(turned["scenes"][0]["runs"][0]["coverage"], 0.99);
+}
+
+TEST_F(PvsCli, RendersWhatIsPredicted) {
+  const std::string render = fmt::format(
+      "render '{}' --context osmesa --size 160x90 --stage '{}/assets/stages/atrium.json' --path tour "
+      "--fps 10 --frames 3 --stats s.json -o p.png ",
+      atrium(), TESSERA_SOURCE_DIR);
+  const auto visible = [&](const std::string& arguments) {
+    const Ran ran = run(render + arguments);
+    EXPECT_EQ(ran.code, 0) << ran.error;
+    return Json::parse(slurp(folder_ / "s.json"), nullptr, false)["frames"][2]["visible_patches"].get<int>();
+  };
+  const int one = visible("");
+  EXPECT_EQ(visible("--prediction none --margin-deg 0"), one);
+  EXPECT_GT(visible("--prediction none --margin-deg 5"), one);
+  const int linear = visible("--prediction linear --margin-deg 0 --latency-ms 300");
+  EXPECT_GT(linear, one);
+  EXPECT_EQ(visible("--prediction linear --margin-deg 0 --latency-ms 0"), one);
+  EXPECT_NE(visible("--prediction reference --margin-deg 0 --latency-ms 300"), linear);
+  expectRefused(render + "--prediction guess", "guess");
+  expectRefused(render + "--margin-deg 2", "--prediction");
+  expectRefused(render + "--prediction linear --steps 65", "--steps");
+  expectRefused(render + "--prediction linear --method forward", "method forward has no visible set");
+  expectRefused(render + "--prediction linear --method rect-deferred", "ids of one view");
+  expectRefused(render + "--prediction linear --view levels", "--view levels");
 }
 
 TEST_F(PvsCli, RefusesWithOneLine) {

@@ -1,7 +1,6 @@
 // tessera pvs: how well potentially visible sets at predicted views fit what is shown within the latency.
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <numbers>
 
@@ -37,14 +36,11 @@ struct PvsCommand {
   StageChoice stage;
 };
 
-const std::map<std::string, Prediction> kPredictions = {
-    {"none", Prediction::None}, {"linear", Prediction::Linear}, {"reference", Prediction::Reference}};
-
 /// Every combination that differs: without prediction there are no steps.
 Result<std::vector<PvsOptions>> waysOf(const PvsCommand& command) {
   std::vector<PvsOptions> ways;
   for (const std::string& name : command.predictions) {
-    const Prediction prediction = kPredictions.at(name);
+    const Prediction prediction = predictions().at(name);
     for (const double degrees : command.margins)
       for (const int& steps : command.steps) {
         if (prediction == Prediction::None && &steps != &command.steps.front()) continue;
@@ -202,7 +198,7 @@ Run addPvs(CLI::App& app) {
           "comma-separated: none (the present view alone), linear (from the two last poses), reference "
           "(the path itself)")
       ->delimiter(',')
-      ->check(CLI::IsMember(kPredictions))
+      ->check(CLI::IsMember(predictions()))
       ->capture_default_str();
   command
       .add_option("--margin-deg", options->margins,

@@ -64,6 +64,9 @@ TEST(Moved, TurnsTheShortWayRound) {
   // From 170 to 190 degrees, which is -170: through the back.
   expectNear(moved(turned(170.0), turned(-170.0), 2.0).forward, turned(210.0).forward);
   expectNear(moved(turned(-170.0), turned(170.0), 2.5).forward, turned(140.0).forward);
+  // Nearly half a turn, to either side.
+  expectNear(moved(turned(0.0), turned(170.0), 0.5).forward, turned(85.0).forward);
+  expectNear(moved(turned(0.0), turned(-170.0), 0.5).forward, turned(-85.0).forward);
 }
 
 TEST(Moved, TurnsAboutAnyAxisAndRolls) {

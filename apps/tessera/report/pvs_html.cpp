@@ -48,16 +48,21 @@ Json sceneData(const PvsScene& scene) {
   for (const PvsRun& run : scene.runs) {
     Json coverage = Json::array();
     Json overestimation = Json::array();
+    Json missed = Json::array();
     times = Json::array();
     for (const PvsFrame& frame : run.frames) {
       coverage.push_back(std::round(frame.coverage * 1e7) / 1e5);
       overestimation.push_back(std::isfinite(frame.overestimation)
                                    ? Json(std::round(frame.overestimation * 1e6) / 1e4)
                                    : Json(nullptr));
-      times.push_back(std::round(frame.time * 1e3) / 1e3);
+      // A logarithmic axis has no 0.
+      missed.push_back(frame.missedPixels > 0.0 ? Json(std::round(frame.missedPixels * 1e2) / 1e2)
+                                                : Json(nullptr));
+      times.push_back(std::round(frame.time * 1e2) / 1e2);
     }
     runs.push_back({{"name", run.name},
                     {"coverage", std::move(coverage)},
+                    {"missed", std::move(missed)},
                     {"overestimation", std::move(overestimation)}});
   }
   return {{"times", std::move(times)}, {"runs", std::move(runs)}};

@@ -4,14 +4,15 @@
 const kRunColours = 8;
 let drawnCharts = [];
 
-function lines(parent, scene, key, title, unit) {
+function lines(parent, scene, key, title, unit, scale = 'linear') {
   const options = baseOptions();
   options.scales.x.title = {display: true, text: 'seconds along the path', color: themeColour('--soft')};
   options.scales.x.ticks.maxRotation = 0;
   options.scales.x.ticks.autoSkipPadding = 16;
+  options.scales.y.type = scale;
   options.scales.y.ticks.maxTicksLimit = 6;
   options.plugins.tooltip.callbacks.title = items => `${items[0].label} s`;
-  options.plugins.tooltip.callbacks.label = item => ` ${item.dataset.label}: ${kLong.format(item.parsed.y)} %`;
+  options.plugins.tooltip.callbacks.label = item => ` ${item.dataset.label}: ${kLong.format(item.parsed.y)}`;
   const datasets = scene.runs.map((run, index) => ({
     label: run.name,
     data: run[key],
@@ -32,6 +33,7 @@ function paint() {
     const parent = section.querySelector('.charts');
     parent.replaceChildren();
     drawnCharts.push(lines(parent, scene, 'coverage', 'Coverage', '% of the shown pixels'));
+    drawnCharts.push(lines(parent, scene, 'missed', 'Missed', 'pixels a view', 'logarithmic'));
     drawnCharts.push(lines(parent, scene, 'overestimation', 'Overestimation', '% of the shown pixels'));
   });
 }

@@ -19,5 +19,6 @@ Run addAtlasBench(CLI::App& app);
 /// `ending` becomes Exit::Failed where a case does not hold.
 Run addStability(CLI::App& app, Exit& ending);
 Run addAccuracy(CLI::App& app);
+Run addPvs(CLI::App& app);
 
 }  // namespace tessera::app

@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
       {"atlas-bench", tessera::app::addAtlasBench(app)},
       {"stability", tessera::app::addStability(app, ending)},
       {"accuracy", tessera::app::addAccuracy(app)},
+      {"pvs", tessera::app::addPvs(app)},
   };
   try {
     app.parse(argc, argv);

@@ -132,6 +132,47 @@ void addSpatial(CLI::App& command, SpatialChoice& choice) {
       ->expected(0, 1);
 }
 
+const std::map<std::string, Prediction>& predictions() {
+  static const std::map<std::string, Prediction> names = {
+      {"none", Prediction::None}, {"linear", Prediction::Linear}, {"reference", Prediction::Reference}};
+  return names;
+}
+
+void addPrediction(CLI::App& command, PredictionChoice& choice) {
+  auto* prediction =
+      command
+          .add_option(
+              "--prediction", choice.mode,
+              "shade what will be visible, too: none (the present view with its margin), linear (from "
+              "the last two poses), reference (the path as it will be)")
+          ->check(CLI::IsMember(predictions()));
+  command.add_option("--latency-ms", choice.latencyMs, "how far ahead is predicted")
+      ->check(CLI::Range(0.0, 10000.0))
+      ->needs(prediction)
+      ->capture_default_str();
+  command
+      .add_option("--steps", choice.steps, "predicted views beside the present one, evenly over the latency")
+      ->check(CLI::Range(1, 64))
+      ->needs(prediction)
+      ->capture_default_str();
+  command
+      .add_option("--margin-deg", choice.marginDegrees,
+                  "degrees that these views see further to each side, 0 to 45")
+      ->check(CLI::Range(0.0, 45.0))
+      ->needs(prediction)
+      ->capture_default_str();
+}
+
+Result<std::optional<PvsOptions>> pvsOptionsOf(const PredictionChoice& choice) {
+  if (choice.mode.empty()) return std::optional<PvsOptions>();
+  const PvsOptions options{.prediction = predictions().at(choice.mode),
+                           .latency = 1e-3 * choice.latencyMs,
+                           .steps = choice.steps,
+                           .margin = glm::radians(choice.marginDegrees)};
+  if (auto good = check(options); !good) return tl::unexpected(good.error());
+  return std::optional<PvsOptions>(options);
+}
+
 Result<void> checkFinite(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     // "FLOAT", or "[FLOAT,...]", with the range behind it.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -72,12 +73,23 @@ struct SpatialChoice {
   std::optional<std::string> lens;     // empty, or "k1,k2"
 };
 
+/// How a frame's potentially visible set is predicted.
+struct PredictionChoice {
+  std::string mode;  // empty: the visible set of the one view
+  double latencyMs = 1e3 * PvsOptions().latency;
+  int steps = PvsOptions().steps;
+  double marginDegrees = glm::degrees(PvsOptions().margin);
+};
+/// Values of PredictionChoice::mode.
+const std::map<std::string, Prediction>& predictions();
+
 void addContext(CLI::App& command, ContextChoice& choice);
 void addSize(CLI::App& command, SizeChoice& choice);
 void addCamera(CLI::App& command, CameraChoice& choice);
 void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
 void addSpatial(CLI::App& command, SpatialChoice& choice);
+void addPrediction(CLI::App& command, PredictionChoice& choice);
 
 /// Fails with the first number given that is not finite: CLI11's range checks let NaN pass.
 Result<void> checkFinite(const CLI::App& command);
@@ -90,6 +102,8 @@ Result<glm::dvec2> parsePair(const char* option, const std::string& text);
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 /// How its texels are shaded.
 ShadeOptions shadeOptions(const AtlasChoice& choice);
+/// Nothing without a choice; fails where check() of the options does.
+Result<std::optional<PvsOptions>> pvsOptionsOf(const PredictionChoice& choice);
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice);
 /// As loadStageOf; without a choice, the stage that the project ships for a scene of this file name, if there
 /// is one.
@@ -107,14 +121,10 @@ struct SpatialReuse {
 };
 Result<SpatialReuse> spatialOf(const SpatialChoice& choice);
 
-/// The views of a run, one a frame, with their times in seconds.
-struct TimedView {
-  double time = 0.0;
-  View view;
-};
 /// Takes `pathUnlessChosen` where the stage has it and no path, camera or eye is chosen. Sets `fps`, unless
 /// it is above 0 already, so that `frames` of them cover the whole path, however few; 30 without one.
 Result<void> coverPath(CameraChoice& choice, const Stage* stage);
+/// The views of a run, one a frame.
 Result<std::vector<TimedView>> viewsOf(const CameraChoice& choice, const Scene& scene, const Stage* stage,
                                        glm::ivec2 size);
 

@@ -1,4 +1,5 @@
 // tessera render: pictures of a scene by one method, with statistics or debug views.
+#include <array>
 #include <map>
 #include <memory>
 
@@ -27,6 +28,7 @@ struct RenderOptions {
   StageChoice stage;
   AtlasChoice atlas;
   SpatialChoice spatial;
+  PredictionChoice prediction;
   StudyChoice study;
   int shadowSize = EngineOptions().shadowSize;
   ShadowFilter shadowFilter = EngineOptions().shadowFilter;
@@ -155,6 +157,36 @@ nlohmann::json frameStatistics(Engine& engine, const TimedView& timed) {
   return json;
 }
 
+/// The potentially visible set, if one is asked for; fails where the picture could not be drawn from it.
+Result<std::optional<PvsOptions>> pvsOf(const RenderOptions& options) {
+  auto pvs = pvsOptionsOf(options.prediction);
+  if (!pvs || !*pvs) return pvs;
+  if (options.method.starts_with("forward") && options.view.empty())
+    return fail("--prediction: method {} has no visible set", options.method);
+  if (options.method.ends_with("-deferred"))
+    return fail("--prediction: method {} displays by the ids of one view", options.method);
+  if (!options.view.empty() && options.view != "atlas" && options.view != "blocks")
+    return fail("--prediction: --view {} shows the ids of one view", options.view);
+  return pvs;
+}
+
+/// Finds and places what one view sees, or what the predicted ones do.
+Result<void> findAndPlace(Engine& engine, const TimedView& timed, const std::optional<PvsOptions>& pvs,
+                          PoseTrack& track, std::span<const TimedView> path, const PlaceOptions& reuse) {
+  if (!pvs) {
+    engine.findVisible({&timed.view, 1});
+    return engine.place({&timed.view, 1}, reuse);
+  }
+  track.add(timed);
+  const auto predicted = predictedViews(track, path, *pvs);
+  const auto wide = widened(predicted, pvs->margin);
+  if (!wide) return tl::unexpected(wide.error());
+  engine.findVisible(*wide);
+  // The camera is nearest to a patch at one end of its way or the other, but for a patch that it passes.
+  const std::array<View, 2> ends = {predicted.front().view, predicted.back().view};
+  return engine.place(std::span(ends).first(predicted.size() > 1 ? 2 : 1), reuse);
+}
+
 Result<void> render(const RenderOptions& asked) {
   auto studied = withStudy(asked);
   if (!studied) return tl::unexpected(studied.error());
@@ -166,6 +198,9 @@ Result<void> render(const RenderOptions& asked) {
                 options.size.text);
   auto spatial = spatialOf(options.spatial);
   if (!spatial) return tl::unexpected(spatial.error());
+  const auto pvs = pvsOf(options);
+  if (!pvs) return tl::unexpected(pvs.error());
+  PoseTrack track;
   AtlasChoice atlas = options.atlas;
   atlas.sampling = samplingOf(options.method);
   auto engineSetup = engineOptions(atlas);
@@ -205,8 +240,7 @@ Result<void> render(const RenderOptions& asked) {
     if (engineSetup->request.forward)
       if (auto drawn = drawForward(engine, options, timed.view); !drawn) return drawn;
     if (engineSetup->request.rect) {
-      engine.findVisible({&timed.view, 1});
-      if (auto placed = engine.place({&timed.view, 1}, reuse); !placed) return placed;
+      if (auto placed = findAndPlace(engine, timed, *pvs, track, *views, reuse); !placed) return placed;
       engine.shade(timed.view, shadeOptions(options.atlas));
     }
     Image picture;
@@ -287,6 +321,7 @@ Run addRender(CLI::App& app) {
   addStage(command, options->stage);
   addAtlas(command, options->atlas);
   addSpatial(command, options->spatial);
+  addPrediction(command, options->prediction);
   return [options](const std::string&) -> Result<void> {
     const StudyChoice& choice = options->study;
     if (!choice.file.empty() && !choice.budgetMs && !choice.targetDssim)

@@ -22,6 +22,7 @@
 #include "engine/frame/forms.hpp"
 #include "engine/frame/graph.hpp"
 #include "engine/frame/lights.hpp"
+#include "engine/frame/predict.hpp"
 #include "engine/frame/scene_buffers.hpp"
 #include "engine/frame/view.hpp"
 #include "engine/gl/context.hpp"
@@ -94,8 +95,13 @@ class Engine {
 
   /// Moves nodes, lights and shadow maps to `time` seconds. Must be called once before the first other stage.
   void update(double time);
-  /// The union of what the views see; however many, all of the size of the first.
+  /// The union of what the views see, however many.
   void findVisible(std::span<const View> views);
+  /// The same at several times, with animated objects where they are at each view's: a potentially visible
+  /// set (see predictedViews and widened). Views of one size in a row at one time, or in a scene that nothing
+  /// moves in, are drawn in one pass where the context can. Afterwards the scene is again as of the last
+  /// update().
+  void findVisible(std::span<const TimedView> views);
   /// Places the visible set for these views, at most kMaxViews (the largest over them counts), with fewer
   /// texels where the options say that fewer are seen. The program of a combination of options is compiled at
   /// its first use. Fails, and leaves everything as it was, where check() of an option or that program fails.

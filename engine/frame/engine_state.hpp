@@ -164,6 +164,10 @@ struct Engine::State {
   /// Of the last view that findVisible drew.
   [[nodiscard]] const gl::Texture& ids() const { return idsInLayers ? idLayers.lastIds : id.ids; }
   [[nodiscard]] const gl::Texture& idDepth() const { return idsInLayers ? idLayers.lastDepth : id.depth; }
+  /// Draws the ids of views of one size: of several as layers, which drawsIdLayers() must allow, or of one.
+  void drawIds(std::span<const View> views, bool layered);
+  /// Animated objects to where they are at a time; lights and shadow maps stay.
+  void moveObjects(double to);
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
   /// Makes the undistorted picture the one that is drawn to and shown.
   void beginPicture(const View& view);

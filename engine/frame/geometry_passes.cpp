@@ -165,48 +165,76 @@ void Engine::State::drawShadows() {
 }
 
 void Engine::findVisible(std::span<const View> views) {
+  std::vector<TimedView> timed;
+  for (const View& view : views) timed.push_back({s_->now.time, view});
+  findVisible(timed);
+}
+
+void Engine::findVisible(std::span<const TimedView> views) {
   State& s = *s_;
   if (!s.visible || views.empty()) return;
   const auto guard = s.guard();
-  s.moveAnchor(s.anchorFor(views.front()));
+  s.moveAnchor(s.anchorFor(views.front().view));
   s.bindScene();
   s.visible->begin();
   s.gatherer()->beginViews();
+  const double present = s.now.time;
   const bool layered = views.size() > 1 && s.drawsIdLayers();
-  s.idsInLayers = layered;
   for (std::size_t first = 0; first < views.size();) {
-    const std::size_t atOnce = layered ? std::min(views.size() - first, kMaxViews) : 1;
-    const auto drawn = views.subspan(first, atOnce);
-    IdTarget& target = layered ? s.idLayers : s.id;
-    s.setViews(drawn);
-    target.resize(views[first].width, views[first].height, s.depth, layered ? static_cast<int>(atOnce) : 0);
-    s.pass("id", [&] {
-      beginPass(target.framebuffer, views[first].width, views[first].height,
-                {.depth = s.depth.nearer, .depthWrite = true});
-      const std::array<GLuint, 4> none = {0, 0, 0, 0};
-      gl::api().ClearNamedFramebufferuiv(target.framebuffer.get(), GL_COLOR, 0, none.data());
-      clearDepth(target.framebuffer, s.depth.farthest);
-      DrawList list = s.visibleDraws(drawn);
-      if (!layered) {
-        s.drawDepthList(list, &BatchPrograms::id, true, -1);
-        return;
-      }
-      const auto times = static_cast<glsl::uint>(atOnce);
-      for (glsl::DrawCommand& command : list.commands) command.instanceCount *= times;
-      for (const BatchPrograms& programs : s.batchPrograms) programs.idLayers->set(LOCATION_COUNT, times);
-      s.buffers.stepInstances(times);
-      s.drawDepthList(list, &BatchPrograms::idLayers, true, -1);
-      s.buffers.stepInstances(1);
-    });
+    const TimedView& leader = views[first];
+    std::vector<View> drawn = {leader.view};
+    const auto joins = [&](const TimedView& other) {
+      return other.view.width == leader.view.width && other.view.height == leader.view.height &&
+             (other.time == leader.time || !s.features.animated);
+    };
+    while (layered && drawn.size() < kMaxViews && first + drawn.size() < views.size() &&
+           joins(views[first + drawn.size()]))
+      drawn.push_back(views[first + drawn.size()].view);
+    s.moveObjects(leader.time);
+    s.drawIds(drawn, layered);
     s.pass("mark", [&] {
-      s.visible->add(target.ids);
+      const gl::Texture& ids = layered ? s.idLayers.ids : s.id.ids;
+      s.visible->add(ids);
       std::vector<glm::mat3> rays;
       for (const View& view : drawn) rays.emplace_back(pixelToRay(view));
-      s.gatherer()->addViews(target.ids, rays);
+      s.gatherer()->addViews(ids, rays);
     });
-    first += atOnce;
+    first += drawn.size();
   }
+  s.moveObjects(present);
   s.visible->finish();
+}
+
+void Engine::State::moveObjects(double to) {
+  if (!features.animated || now.time == to) return;
+  evaluate(scene, to, now);
+  writeInstances();
+}
+
+void Engine::State::drawIds(std::span<const View> views, bool layered) {
+  idsInLayers = layered;
+  IdTarget& target = layered ? idLayers : id;
+  const int width = views.front().width;
+  const int height = views.front().height;
+  setViews(views);
+  target.resize(width, height, depth, layered ? static_cast<int>(views.size()) : 0);
+  pass("id", [&] {
+    beginPass(target.framebuffer, width, height, {.depth = depth.nearer, .depthWrite = true});
+    const std::array<GLuint, 4> none = {0, 0, 0, 0};
+    gl::api().ClearNamedFramebufferuiv(target.framebuffer.get(), GL_COLOR, 0, none.data());
+    clearDepth(target.framebuffer, depth.farthest);
+    DrawList list = visibleDraws(views);
+    if (!layered) {
+      drawDepthList(list, &BatchPrograms::id, true, -1);
+      return;
+    }
+    const auto layers = static_cast<glsl::uint>(views.size());
+    for (glsl::DrawCommand& command : list.commands) command.instanceCount *= layers;
+    for (const BatchPrograms& batch : batchPrograms) batch.idLayers->set(LOCATION_COUNT, layers);
+    buffers.stepInstances(layers);
+    drawDepthList(list, &BatchPrograms::idLayers, true, -1);
+    buffers.stepInstances(1);
+  });
 }
 
 void Engine::forward(const View& view, bool depthPrepass) {

@@ -40,13 +40,13 @@ Scene boards() {
   return scene;
 }
 
-std::unique_ptr<Engine> make(bool layers) {
+std::unique_ptr<Engine> make(bool layers, Scene scene = boards()) {
   EngineOptions options;
   options.atlas.memory.width = options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
   options.request.displayDeferred = true;
   options.idLayers = layers;
-  auto engine = Engine::create(test::context(), boards(), {}, options);
+  auto engine = Engine::create(test::context(), std::move(scene), {}, options);
   if (!engine) {
     ADD_FAILURE() << engine.error().message;
     return nullptr;
@@ -93,6 +93,59 @@ TEST_F(VisibleViews, OnePassSeesWhatOnePassAViewSees) {
   }
   EXPECT_EQ(compiledLayers(*together), test::context().info().vertexLayers);
   EXPECT_FALSE(compiledLayers(*apart));
+}
+
+/// The boards, the third of which slides by four metres a second.
+Scene slidingBoards() {
+  Scene scene = boards();
+  scene.meshes.emplace_back();
+  scene.nodes[3].mesh = 0;
+  AnimationChannel slide;
+  slide.node = 3;
+  slide.property = AnimatedProperty::Translation;
+  slide.times = {0.0f, 1.0f};
+  slide.values = {glm::vec4(-2.0f, 0.0f, -2.6f, 0.0f), glm::vec4(2.0f, 0.0f, -2.6f, 0.0f)};
+  scene.animations.push_back({"slide", 1.0, {slide}});
+  return scene;
+}
+
+TEST_F(VisibleViews, ObjectsAreWhereTheyAreAtEachViewsTime) {
+  auto engine = make(true, slidingBoards());
+  ASSERT_TRUE(engine);
+  const View view = eyes(1).front();
+  const auto alone = [&](double time) {
+    engine->update(time);
+    return seenBy(*engine, {&view, 1});
+  };
+  const auto early = alone(0.1);
+  const auto late = alone(0.8);
+  ASSERT_NE(early, late);
+  std::set<std::uint32_t> both = early;
+  both.insert(late.begin(), late.end());
+  engine->update(0.1);
+  const glm::dmat4 place = engine->state().world[3];
+  const std::array<TimedView, 3> times = {{{0.1, view}, {0.8, view}, {0.8, view}}};
+  engine->findVisible(times);
+  const auto list = engine->visibleSet()->read();
+  EXPECT_EQ(std::set<std::uint32_t>(list.begin(), list.end()), both);
+  EXPECT_EQ(list.size(), both.size()) << "a patch is listed twice";
+  // The scene is as of the last update again, on the CPU and on the GPU.
+  EXPECT_EQ(engine->state().time, 0.1);
+  EXPECT_EQ(engine->state().world[3], place);
+  EXPECT_EQ(seenBy(*engine, {&view, 1}), early);
+}
+
+TEST_F(VisibleViews, ViewsOfSeveralSizesAreOneSet) {
+  auto together = make(true);
+  auto apart = make(false);
+  ASSERT_TRUE(together && apart);
+  auto views = eyes(5);
+  views[1].width = views[2].width = 300;
+  views[4].height = 77;
+  EXPECT_EQ(seenBy(*together, views), seenBy(*apart, views));
+  std::set<std::uint32_t> any;
+  for (const View& view : views) any.merge(seenBy(*apart, {&view, 1}));
+  EXPECT_EQ(seenBy(*together, views), any);
 }
 
 TEST_F(VisibleViews, OneViewAfterSeveralIsItsOwn) {

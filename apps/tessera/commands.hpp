@@ -19,5 +19,7 @@ Run addAtlasBench(CLI::App& app);
 /// `ending` becomes Exit::Failed where a case does not hold.
 Run addStability(CLI::App& app, Exit& ending);
 Run addAccuracy(CLI::App& app);
+/// Only where video coding is built.
+Run addVideoBench(CLI::App& app);
 
 }  // namespace tessera::app

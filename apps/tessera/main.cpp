@@ -24,6 +24,9 @@ int run(int argc, char** argv) {
       {"atlas-bench", tessera::app::addAtlasBench(app)},
       {"stability", tessera::app::addStability(app, ending)},
       {"accuracy", tessera::app::addAccuracy(app)},
+#ifdef TESSERA_HAS_CODEC
+      {"video-bench", tessera::app::addVideoBench(app)},
+#endif
   };
   try {
     app.parse(argc, argv);

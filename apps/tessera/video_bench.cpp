@@ -30,6 +30,7 @@ struct VideoBenchOptions {
   std::string scene;
   std::string output;
   std::vector<double> megabits = {5, 10, 20, 40, 80};
+  std::optional<double> quality;  // instead of bitrates
   std::vector<std::string> chroma = {"420", "444"};
   std::vector<std::string> encoders;
   std::string preset;
@@ -58,7 +59,7 @@ struct Coding {
 Result<std::vector<Coding>> makeCodings(const VideoBenchOptions& options, const gl::Texture& atlas) {
   std::vector<Coding> codings;
   for (const std::string& name : options.chroma)
-    for (const double megabits : options.megabits)
+    for (const double megabits : options.quality ? std::vector<double>{0.0} : options.megabits)
       for (const bool regions : {false, true}) {
         if (regions && !options.regions) continue;
         EncoderOptions wanted;
@@ -67,6 +68,10 @@ Result<std::vector<Coding>> makeCodings(const VideoBenchOptions& options, const 
         wanted.chroma = name == "420" ? Chroma::Yuv420 : Chroma::Yuv444;
         wanted.framesPerSecond = options.camera.fps;
         wanted.bitrate = static_cast<std::int64_t>(megabits * 1e6);
+        if (options.quality) {
+          wanted.rate = RateControl::ConstantQuality;
+          wanted.quality = *options.quality;
+        }
         wanted.iFrameInterval = options.interval;
         wanted.threads = options.threads;
         wanted.encoders = options.encoders;
@@ -225,7 +230,7 @@ nlohmann::json jsonOf(const Coding& coding, double fps) {
     return nlohmann::json{{"median", s.median}, {"min", s.min}, {"max", s.max}, {"interquartile", s.spread}};
   };
   return {{"chroma", nameOf(coding.chroma)},
-          {"megabits_asked", coding.megabits},
+          {"megabits_asked", coding.megabits},  // 0: at constant quality
           {"regions", coding.regions},
           {"encoder", coding.encoder.name()},
           {"megabits", meanOf(coding.bytes) * 8e-6 * fps},
@@ -335,6 +340,8 @@ Run addVideoBench(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::Range(0.01, 2000.0))
       ->capture_default_str();
+  command.add_option("--quality", options->quality, "constant quality, less is better, instead of bitrates")
+      ->check(CLI::Range(0.0, 51.0));
   command.add_option("--chroma", options->chroma, "420, 444 or both")
       ->delimiter(',')
       ->check(CLI::IsMember({"420", "444"}))

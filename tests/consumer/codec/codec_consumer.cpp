@@ -1,8 +1,7 @@
 // One grey frame there and back, by the installed package's headers and libraries.
 #include <algorithm>
-#include <cstdio>
-
 #include <codec/video.hpp>
+#include <cstdio>
 
 int main() {
   tessera::EncoderOptions options;

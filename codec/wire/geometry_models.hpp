@@ -31,6 +31,8 @@
 
 #include "codec/wire/geometry.hpp"
 #include "codec/wire/range_coder.hpp"
+#include "glsl/shared/oversample.h"
+#include "glsl/shared/tess_atlas.h"
 
 namespace tessera::wire {
 
@@ -63,32 +65,53 @@ class RecentVertices {
 /// Of a patch's level word: sizes and whether it is transposed. The bits above are the server's own.
 inline constexpr int kRectLevelBits = 9;
 
-/// Bits of a tessellation gatherer's word that change together.
-struct WordField {
-  std::uint32_t word;
-  std::uint32_t shift;
-  std::uint32_t bits;
-  [[nodiscard]] std::uint32_t mask() const { return bits == 32 ? 0xffffffffu : (1u << bits) - 1u; }
-  [[nodiscard]] std::uint32_t of(const std::array<std::uint32_t, kMostWords>& words) const {
-    return (words[word] >> shift) & mask();
-  }
+/// Sizes of blocks by their class: 0, 1, and 1 more than a number of steps of overClass() in
+/// glsl/shared/oversample.h.
+inline constexpr int kSizeClassBits = 7;
+inline std::uint32_t sizeClass(std::uint32_t size) { return size < 2 ? size : 2 + glsl::overClass(size - 1); }
+inline std::uint32_t sizeOfClass(std::uint32_t number) {
+  return number < 2 ? number : 1 + glsl::overClassSteps(number - 2);
+}
+
+/// Triangles that get their slots from one stock: places in it follow each other.
+struct TessStock {
+  std::uint32_t number;   // below kTessStocks
+  std::uint32_t context;  // below kTessStockContexts: of about that size
 };
-/// All bits of an element's words, as TessShape, packPlace and packPiece in glsl/shared have them.
-inline constexpr std::array<WordField, 15> kTessFields = {{{0, 0, 2},
-                                                           {0, 2, 30},
-                                                           {1, 0, 12},
-                                                           {1, 12, 12},
-                                                           {1, 24, 8},
-                                                           {2, 0, 16},
-                                                           {2, 16, 16},
-                                                           {3, 0, 15},
-                                                           {3, 15, 1},
-                                                           {3, 16, 16},
-                                                           {4, 0, 15},
-                                                           {4, 15, 1},
-                                                           {4, 16, 16},
-                                                           {5, 0, 8},
-                                                           {5, 8, 24}}};
+inline constexpr std::uint32_t kTessStocks = 256u + (1u << (2 * kSizeClassBits));
+inline constexpr std::uint32_t kTessStockContexts = 81;
+inline TessStock stockOfLevel(std::uint32_t level) {
+  return {level, level == 0 ? 0 : 1 + std::min(level / 4, 15u)};
+}
+inline TessStock stockOfBlock(std::uint32_t columns, std::uint32_t rows) {
+  const std::uint32_t across = sizeClass(columns);
+  return {256 + (across << kSizeClassBits | sizeClass(rows)), 17 + across / 2};
+}
+
+/// Of triangles' places. Each pair is of fresh ones and of those that had a place.
+struct TessModels {
+  std::array<std::array<SymbolModel<2>, 4>, 2> kind;  // by the kind before
+  SymbolModel<8> level;
+  SignedModel levelStep;
+  std::array<BitModel, 2> sameShape;
+  struct Size {
+    BitModel regular;
+    std::array<SymbolModel<kSizeClassBits>, 32> number;  // by a size that is known
+    SignedModel step;
+  };
+  std::array<Size, 3> sizes;  // columns of half 0, of half 1, rows
+  SymbolModel<2> apex;
+  BitModel sameApex;
+  std::array<SignedModel, 2> foot;
+  BitModel split;
+  SignedModel pieceSize;
+  SignedModel pieceStep;
+  std::array<BitModel, 2> keptPlace;
+  std::array<BitModel, 2> turned;  // by that of the last
+  std::array<std::array<std::array<SignedModel, 2>, kTessStockContexts>, 2>
+      step;  // by axis, stock, turned as the last
+  std::vector<std::uint32_t> place = std::vector<std::uint32_t>(kTessStocks, 0);  // the last of each stock
+};
 
 /// Everything that both ends remember from message to message.
 struct GeometryModels {
@@ -118,9 +141,8 @@ struct GeometryModels {
   std::array<std::array<std::array<SignedModel, 16>, 2>, 2>
       rectStep;  // by fresh or moved, axis, size of the block
   std::array<std::uint32_t, std::size_t{1} << kRectLevelBits>
-      rectOrigin{};                                  // of the last block of each level
-  std::array<std::array<BitModel, 2>, 15> tessKept;  // fresh, moved
-  std::array<std::array<SignedModel, 2>, 15> tessStep;
+      rectOrigin{};  // of the last block of each level
+  TessModels tess;
 
   NumberModel movedGap;
   NumberModel changedGap;

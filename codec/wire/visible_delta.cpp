@@ -15,12 +15,19 @@ struct Live {
   std::uint32_t slot;
 };
 
+// Without what the viewer has no use for: a server's own bits, what an earlier shape has left.
 std::array<std::uint32_t, kMostWords> sentWords(Method method, const VisibleElement& element) {
-  std::array<std::uint32_t, kMostWords> words = element.words;
-  if (method != Method::Rect) return words;
-  words[1] &= (1u << kRectLevelBits) - 1u;
-  for (std::size_t i = 2; i < kMostWords; ++i) words[i] = 0;
-  return words;
+  const auto& words = element.words;
+  if (method == Method::Rect) return {words[0], words[1] & ((1u << kRectLevelBits) - 1u)};
+  const std::uint32_t kind = glsl::kindOf(words[0]);
+  if (kind == glsl::kTessNone) return {words[0] & glsl::kTessKind, 0, 0, 0, 0, words[5]};
+  if (kind == glsl::kTessSingle) return {words[0] & glsl::kTessKind, 0, 0, words[3], 0, words[5]};
+  if (kind == glsl::kTessL) return {words[0], 0, 0, words[3], 0, words[5]};
+  const glsl::OverShape over = glsl::overOfShape({words[0], words[1], words[2]});
+  const glsl::TessShape shape = glsl::shapeOfOver(over);
+  return {
+      shape.kind, shape.size, shape.form, over.columns0 > 0 ? words[3] : 0, over.columns1 > 0 ? words[4] : 0,
+      words[5]};
 }
 
 glm::ivec2 maskSteps(const glm::vec2& at) {
@@ -191,7 +198,7 @@ struct VisibleDelta::State {
     const double placed = io.coder.cost();
     statistics.triangleBits += placed - before;
     element.words = sentWords(source.method, shown);
-    codePlace(io, source.method, models, nullptr, element.words);
+    codePlace(io, source.method, models, piece, nullptr, element.words);
     statistics.placeBits += io.coder.cost() - placed;
     stream.elements[slot] = element;
     return slot;
@@ -347,7 +354,8 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   for (auto& [slot, words] : moved) {
     codeRising(io, models.movedGap, last, slot);
     last = slot;
-    codePlace(io, s.source.method, models, &s.stream.elements[slot].words, words);
+    codePlace(io, s.source.method, models, s.stream.elements[slot].parent != kNone,
+              &s.stream.elements[slot].words, words);
     s.stream.elements[slot].words = words;
     s.stream.elements[slot].hidden = false;
   }

@@ -95,18 +95,32 @@ class NaiveViewer {
                                     corners_[e.vertex[part + 2]]};
         if (e.mirrored) std::swap(at[1], at[2]);
         auto words = shown.words;
-        if (source.method == Method::Rect) words[1] &= 511u;
+        words = sent(source.method, words);
         scene_.drawn.emplace(at, part | (e.triangles == 3 ? 4u : 0u) | (e.mirrored ? 8u : 0u), words,
                              e.style);
         triangles[shown.id] = at;
       }
     }
     for (const VisibleElement& shown : frame.elements)
-      if (shown.parent != kNone) scene_.pieces.emplace(triangles[shown.parent], shown.words);
+      if (shown.parent != kNone)
+        scene_.pieces.emplace(triangles[shown.parent], sent(source.method, shown.words));
   }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:
+  // A patch's level without the server's bits; of a triangle what its kind has.
+  static std::array<std::uint32_t, kMostWords> sent(Method method,
+                                                    std::array<std::uint32_t, kMostWords> words) {
+    if (method == Method::Rect) {
+      words[1] &= 511u;
+      return words;
+    }
+    const bool over = (words[0] & 3u) == glsl::kTessOver;
+    if (!over) words[1] = words[2] = words[4] = 0;
+    if (over && (words[1] & 4095u) == 0) words[3] = 0;
+    if (over && ((words[1] >> 12) & 4095u) == 0) words[4] = 0;
+    return words;
+  }
   int headroom_;
   std::uint32_t keepFrames_;
   std::uint32_t frame_ = 0;

@@ -1,27 +1,32 @@
 // The geometry message: its layout, and the models that its two ends keep alike.
 //
-// A message is one range-coded string (range_coder.hpp). In order, each name being a model below:
-//   head      counts: objects, fresh elements, moved places, changed vertices, freed elements; base of levels
-//   objects   of each: number (as a step from the one before), 12 doubles, column by column, plain
-//   moved     of each: number (step from the one before), then its place; fields that fresh ones compare with
-//   the last
-//             element are compared with its own
-//   fresh     of each element: same style as the last one, else the style; triangles; mirrored; piece or not.
-//             Of a piece: its parent's number, as a step from the last parent. Of others its corners; a
-//             corner is
-//               new     a vertex that was never sent: object (same as the last one's or not), level, steps
-//               from where it is
-//                       expected, mask coordinates in masked elements
-//               recent  place in a list of the vertices used last
-//               else    its number, as a step from the last one so given
-//             Then its place. Of a patch: its level, same as the last one's or not; its block's x and y in
-//             units of the block, as steps from those of the last block of this level. Of a triangle: fields
-//             of its words, each the same as the last element's or a step from it.
-//   changed   of each vertex: number (step), level, steps from where it was
-//   freed     of each: number (step)
-//   end       kEndMark, plain
-// Numbers of fresh elements, triangles and vertices follow from SlotPool; a vertex is freed with its last
-// element. All of fresh is applied before freed.
+// A message is one range-coded string (range_coder.hpp). In order:
+//   head     counts: objects, fresh elements, moved places, changed vertices, freed and hidden elements
+//   objects  of each: number, 12 doubles, column by column, plain
+//   moved    of each element that has another place, or is shown again: number, place
+//   fresh    of each element: whether it is a piece
+//              of a piece: its triangle's number, as a step from the last one's
+//              else: style (same as the last one's or not), triangles, mirrored, and its corners, each
+//                new     a vertex that was never sent: object (same or not), level, steps from where it is
+//                        expected, and in masked elements mask coordinates
+//                recent  its place in a list of the vertices used last
+//                else    its number, as a step from the last one so given
+//            then its place
+//   changed  of each vertex: number, level, steps from where it was
+//   freed    of each element: number
+//   hidden   of each element: number
+//   end      kEndMark, plain
+// Numbers rise within a part, and are given as steps. A place is
+//   of a patch     its level, same as before or not; its block's x and y in units of the block, as steps
+//                  from those of the last block of this level
+//   of a triangle  kind, level or sizes, each compared with what was before; x, y and turn of each slot, as
+//                  steps from the last slot of its stock
+// where before is the element's own last place, or for a fresh one the last element's.
+//
+// Numbers of fresh elements, triangles and vertices are not sent: both ends take them from a SlotPool, an
+// element's before its triangles' and those before its vertices'. A vertex is freed with its last element.
+// Moved comes before fresh, for a triangle that is split from this frame on is moved; freed is last, so that
+// what fresh elements share stays.
 #pragma once
 
 #include <algorithm>

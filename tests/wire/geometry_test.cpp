@@ -368,6 +368,32 @@ TEST_P(GeometryStream, CorruptMessagesAreErrorsOrSafeToDraw) {
   EXPECT_GT(refused, kRuns * 3 / 4);
 }
 
+TEST(GeometryMirror, MaskedElementsHaveMaskCoordinates) {
+  GeometrySource source;
+  for (int i = 0; i < 6; ++i)
+    source.vertices.push_back(
+        {{i, i % 2, -4}, 0, {0.1f * static_cast<float>(i), -2.5f * static_cast<float>(i)}});
+  source.elements.push_back({{0, 1, 2}, 1, false, glsl::kStyleMasked | 7u << 16u});
+  source.elements.push_back({{3, 4, 5}, 1, false, 0});
+  const std::vector<VisibleElement> visible = {{0, {0u, 0u}, kNone}, {1, {1u, 0u}, kNone}};
+  const std::vector<ObjectTransform> objects(1);
+  VisibleDelta delta(source);
+  VisibleMirror mirror(Method::Rect, kAtlas);
+  ASSERT_TRUE(mirror.apply(delta.next({visible, objects, {}, {}, {}})));
+  int masked = 0;
+  for (const glsl::StreamedTriangle& t : mirror.triangles()) {
+    const bool mask = (mirror.patches()[glsl::ownerElement(t.owner)].style & glsl::kStyleMasked) != 0;
+    for (const std::uint32_t vertex : {t.v0, t.v1, t.v2}) {
+      const glm::vec2 expected =
+          mask ? source.vertices[static_cast<std::size_t>(std::lround(mirror.vertices()[vertex].x))].mask
+               : glm::vec2(0.0f);
+      EXPECT_LE(glm::length(mirror.maskCoordinates()[vertex] - expected), 0.75f / kMaskGrid);
+    }
+    masked += mask ? 1 : 0;
+  }
+  EXPECT_EQ(masked, 1);
+}
+
 TEST(GeometryMirror, SaysWhatIsWrong) {
   RandomWorld world(Method::Rect, 13);
   world.step();

@@ -184,10 +184,10 @@ class PlainStream {
 
 }  // namespace
 
-Rates ratesOf(const Recording& recording) {
+Rates ratesOf(const Recording& recording, std::uint32_t keepFrames) {
   Rates rates;
   rates.frames = recording.frames.size();
-  wire::VisibleDelta delta(recording.source);
+  wire::VisibleDelta delta(recording.source, {.keepFrames = keepFrames});
   PlainStream others(recording);
   wire::VisibleMirror mirror(recording.source.method, {32767, 65535});
   std::vector<double> encode;

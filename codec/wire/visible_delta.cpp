@@ -81,6 +81,16 @@ struct VisibleDelta::State {
     }
   }
 
+  // Of a triangle's corners; above all levels where one was not sent.
+  int coarsestSent(const SourceElement& element, const std::array<std::size_t, 3>& corners) const {
+    int coarsest = kFinestLevel;
+    for (const std::size_t corner : corners) {
+      const std::uint32_t slot = vertexSlot[element.vertex[corner]];
+      coarsest = std::max(coarsest, slot == kNone ? kCoarsestLevel + 1 : stream.vertices[slot].level);
+    }
+    return coarsest;
+  }
+
   // What the bound asks of the vertices of every visible triangle: a point of a triangle may be nearer than
   // its corners, and moves as they do.
   void findLevels(const VisibleFrame& visible, std::span<const VisibleElement> elements) {
@@ -98,10 +108,17 @@ struct VisibleDelta::State {
         largest = std::max(largest, stretch[vertex.object]);
       }
       for (std::size_t part = 0; part < element->triangles; ++part) {
-        const double distance = distanceToTriangle(corners[0], corners[part + 1], corners[part + 2]);
-        const int level = visible.bound.level(distance, largest);
-        for (const std::size_t corner : {std::size_t{0}, part + 1, part + 2})
-          want(element->vertex[corner], level);
+        const std::array<std::size_t, 3> of = {0, part + 1, part + 2};
+        const glm::dvec3& a = corners[of[0]];
+        const glm::dvec3& b = corners[of[1]];
+        const glm::dvec3& c = corners[of[2]];
+        // No point of it is nearer than this. Where that is far enough for what was sent, nothing follows
+        // from the exact distance.
+        const double spread = std::sqrt(std::max(glm::dot(b - a, b - a), glm::dot(c - a, c - a)));
+        int level = visible.bound.level(glm::length(a) - spread, largest);
+        if (level < coarsestSent(*element, of))
+          level = visible.bound.level(distanceToTriangle(a, b, c), largest);
+        for (const std::size_t corner : of) want(element->vertex[corner], level);
       }
     }
   }

@@ -93,6 +93,8 @@ Result<RtpPacketiser> RtpPacketiser::make(const RtpStream& stream) {
   if (video == nullptr) return fail("RTP muxer: out of memory");
   video->codecpar->codec_type = AVMEDIA_TYPE_VIDEO;
   video->codecpar->codec_id = AV_CODEC_ID_H264;
+  // Asked for, and of no use to RTP.
+  video->codecpar->width = video->codecpar->height = 16;
   video->time_base = {1, static_cast<int>(kRtpClock)};
 
   AVDictionary* options = nullptr;

@@ -3,7 +3,7 @@
 #   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
 #   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
 #   ./run.sh test --sanitize   the CPU tests under AddressSanitizer and UndefinedBehaviorSanitizer, in a build of their own
-#   ./run.sh fuzz --seconds N  scene and JSON loading under a fuzzer (installs clang), N seconds each
+#   ./run.sh fuzz --seconds N  scene and JSON loading, RTP and handshakes under a fuzzer (installs clang), N seconds each
 #   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
 #   ./run.sh build             set up and build
 #   ./run.sh tessera ARGS...   run the program
@@ -102,7 +102,7 @@ case "$command" in
     install_packages "${packages[@]}" clang
     build=build/fuzz
     preset=fuzz
-    targets=(fuzz_scene fuzz_json)
+    targets=(fuzz_scene fuzz_json fuzz_rtp fuzz_handshake)
     build_all
     for target in "${targets[@]}"; do
       say "$target for $seconds s"

@@ -87,7 +87,7 @@ class Client::State {
   Bytes datagram;
   std::chrono::milliseconds backoff;
   std::uint64_t connections = 0;  // that were made
-  bool final = false;            // trying again cannot help
+  bool final = false;             // trying again cannot help
   bool joined = false;
   bool stopping = false;
 

@@ -7,8 +7,8 @@
 
 namespace tessera::test {
 
-/// Annex B with four-byte start codes. `sizes`: of each unit, at least 2. Random bytes above 0 after a header of a
-/// slice's or a parameter set's type, so that no start code comes about.
+/// Annex B with four-byte start codes. `sizes`: of each unit, at least 2. Random bytes above 0 after a header
+/// of a slice's or a parameter set's type, so that no start code comes about.
 inline std::vector<std::uint8_t> accessUnit(std::mt19937& random, const std::vector<std::size_t>& sizes) {
   std::vector<std::uint8_t> bytes;
   for (const std::size_t size : sizes) {

@@ -4,6 +4,7 @@
 #include <asio/ip/tcp.hpp>
 #include <asio/read.hpp>
 #include <asio/write.hpp>
+
 #include <gtest/gtest.h>
 
 #include "tests/transport/pair.hpp"
@@ -36,7 +37,7 @@ class RawPeer {
   /// Says hello as a viewer would.
   void join() {
     write(encode(Hello{}));
-    Bytes answers(8 + 36 + 8 + 52);
+    Bytes answers(8 + 36 + 8 + 48);  // welcome and ready
     asio::read(socket_, asio::buffer(answers));
   }
   /// The refusal that the server ends with; what comes before is skipped.
@@ -66,7 +67,9 @@ class RawPeer {
 TEST(Channel, MessagesGoBothWaysInOrder) {
   TestServer server({});
   ASSERT_TRUE(server.server) << server.error;
-  TestViewer viewer(server.server->address());
+  ClientOptions options = TestViewer::at(server.server->address());
+  options.limits.ping = 20ms;
+  TestViewer viewer(options);
   ASSERT_TRUE(viewer.until([&] { return !viewer.connected.empty(); })) << viewer.log.text();
   EXPECT_FALSE(viewer.connected[0].secure);
   EXPECT_EQ(viewer.connected[0].version, 1);
@@ -145,9 +148,12 @@ TEST(Channel, ASlowPeerIsCutOffAndOthersGoOn) {
   for (int i = 0; i < 200 && !cut; ++i) {
     const auto sent = server.server->send(server.joined[1].viewer, message);
     cut = !sent;
-    if (cut) EXPECT_NE(sent.error().message.find("too slow"), std::string::npos) << sent.error().message;
+    if (cut) {
+      EXPECT_NE(sent.error().message.find("too slow"), std::string::npos) << sent.error().message;
+    }
     std::size_t waiting = 0;
-    for (const ViewerStatus& status : server.server->viewers()) waiting = std::max(waiting, status.pendingBytes);
+    for (const ViewerStatus& status : server.server->viewers())
+      waiting = std::max(waiting, status.pendingBytes);
     EXPECT_LE(waiting, options.limits.pendingBytes);
   }
   EXPECT_TRUE(cut);
@@ -180,14 +186,16 @@ TEST(Channel, MalformedAndOversizedPeersAreToldAndCutOff) {
   EXPECT_EQ(whyOf(false, Bytes(request.begin(), request.end())),
             "record of kind 47: there is none, or its header is malformed");
   EXPECT_EQ(whyOf(false, encodeMessage(Bytes{1})), "message: before the handshake's end");
-  EXPECT_EQ(whyOf(true, {0xff, 0xff, 0xff, 0xff, 8, 0, 0, 0}), "message: its 4294967295 bytes are more than 1000");
+  EXPECT_EQ(whyOf(true, {0xff, 0xff, 0xff, 0xff, 8, 0, 0, 0}),
+            "message: its 4294967295 bytes are more than 1000");
   EXPECT_EQ(whyOf(true, encode(Hello{})), "a hello after the handshake");
   {
     RawPeer silent(server.server->address());
     EXPECT_TRUE(waitFor([&] { return server.log.has("no handshake within 300 ms"); })) << server.log.text();
   }
   // The same of every cut, in the log; and the one that behaves is still there.
-  EXPECT_TRUE(server.log.has("cut off: message: its 4294967295 bytes are more than 1000")) << server.log.text();
+  EXPECT_TRUE(server.log.has("cut off: message: its 4294967295 bytes are more than 1000"))
+      << server.log.text();
   EXPECT_TRUE(server.log.has("cut off: a hello after the handshake")) << server.log.text();
   EXPECT_FALSE(server.server->send(server.joined[0].viewer, Bytes(1001)).has_value()) << "own messages too";
   ASSERT_TRUE(server.server->send(server.joined[0].viewer, Bytes(1000)).has_value());
@@ -257,7 +265,8 @@ TEST(Channel, AServerThatStopsSaysSoAndIsFoundAgain) {
   EXPECT_FALSE(viewer.client->send(Bytes{1}).has_value());
   // Nobody listens: tries go on, further and further apart.
   ASSERT_TRUE(viewer.until([&] { return viewer.disconnected.size() >= 3; }));
-  EXPECT_TRUE(viewer.log.has("next try in 100 ms") && viewer.log.has("next try in 200 ms")) << viewer.log.text();
+  EXPECT_TRUE(viewer.log.has("next try in 100 ms") && viewer.log.has("next try in 200 ms"))
+      << viewer.log.text();
   ServerOptions options;
   options.listen = address;
   server = std::make_unique<TestServer>(options);
@@ -290,7 +299,8 @@ TEST(Address, IsReadAndWritten) {
   EXPECT_EQ(parseAddress("0.0.0.0:65535")->port, 65535);
   for (const char* bad : {"", "host", ":1", "host:", "host:65536", "host:-1", "host:1x", "::1:5"})
     EXPECT_FALSE(parseAddress(bad).has_value()) << bad;
-  for (const char* here : {"127.0.0.1", "127.8.9.10", "::1", "::ffff:127.0.0.1"}) EXPECT_TRUE(isLoopback(here)) << here;
+  for (const char* here : {"127.0.0.1", "127.8.9.10", "::1", "::ffff:127.0.0.1"})
+    EXPECT_TRUE(isLoopback(here)) << here;
   for (const char* there : {"0.0.0.0", "::", "10.0.0.1", "128.0.0.1", "::ffff:10.0.0.1", "localhost", ""})
     EXPECT_FALSE(isLoopback(there)) << there;
 }

@@ -1,12 +1,13 @@
 // Records, the two ends of the handshake, tokens, certificates and pairings, without a socket.
+#include "codec/transport/handshake.hpp"
+
 #include <filesystem>
 #include <fstream>
 #include <functional>
-
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "codec/transport/handshake.hpp"
+#include <gtest/gtest.h>
+
 #include "codec/transport/identity.hpp"
 #include "codec/transport/pins.hpp"
 #include "codec/transport/srtp.hpp"
@@ -59,8 +60,9 @@ struct Outcome {
 };
 
 /// Carries records back and forth until neither says more. tamper may change what the server sends.
-Outcome shakeHands(ClientHandshake& viewer, ServerHandshake& server,
-                   const std::function<void(Record&)>& tamper = [](Record&) {}) {
+Outcome shakeHands(
+    ClientHandshake& viewer, ServerHandshake& server,
+    const std::function<void(Record&)>& tamper = [](Record&) {}) {
   Outcome outcome;
   std::vector<Record> toServer = cut(viewer.begin());
   while (!toServer.empty()) {
@@ -109,7 +111,8 @@ TEST(Handshake, AnIncompatiblePeerIsToldWhichVersionsAreSpoken) {
   EXPECT_TRUE(outcome.viewerByPeer);
   EXPECT_EQ(outcome.viewerRefused->reason, RefusalReason::Version);
   EXPECT_EQ(outcome.viewerRefused->versions, (Versions{3, 5}));
-  EXPECT_EQ(outcome.viewerRefused->why, "this server speaks versions 3 to 5, the viewer versions 1 to 2: none is common");
+  EXPECT_EQ(outcome.viewerRefused->why,
+            "this server speaks versions 3 to 5, the viewer versions 1 to 2: none is common");
 }
 
 TEST(Handshake, SecureOnesProveTheTokenBothWays) {
@@ -131,8 +134,8 @@ TEST(Handshake, AWrongTokenIsRefused) {
   EXPECT_EQ(outcome.viewerRefused->reason, RefusalReason::Token);
 }
 
-// Whoever sits in between has a TLS connection with each side, and so two exporters, however faithfully it passes
-// records on.
+// Whoever sits in between has a TLS connection with each side, and so two exporters, however faithfully it
+// passes records on.
 TEST(Handshake, AProofRelayedFromAnotherConnectionIsRefused) {
   ClientHandshake viewer({}, SecureTerms{keyOf(kToken), bindingOf(3)});
   ServerHandshake server({}, SecureTerms{keyOf(kToken), bindingOf(4)}, readyOf(true));
@@ -253,8 +256,10 @@ TEST(Record, HeadersThatAreNoneLoseTheStream) {
     EXPECT_FALSE(parser.next().has_value()) << "lost for good";
     return next ? std::string() : next.error().message;
   };
-  EXPECT_EQ(errorOf({0, 0, 0, 0, 9, 0, 0, 0}, true), "record of kind 9: there is none, or its header is malformed");
-  EXPECT_EQ(errorOf({8, 0, 0, 0, 6, 0, 1, 0}, true), "record of kind 6: there is none, or its header is malformed");
+  EXPECT_EQ(errorOf({0, 0, 0, 0, 9, 0, 0, 0}, true),
+            "record of kind 9: there is none, or its header is malformed");
+  EXPECT_EQ(errorOf({8, 0, 0, 0, 6, 0, 1, 0}, true),
+            "record of kind 6: there is none, or its header is malformed");
   EXPECT_EQ(errorOf({1, 4, 0, 0, 6, 0, 0, 0}, true), "ping: its 1025 bytes are more than 1024");
   EXPECT_EQ(errorOf({101, 0, 0, 0, 8, 0, 0, 0}, true), "message: its 101 bytes are more than 100");
   EXPECT_EQ(errorOf({1, 0, 0, 0, 8, 0, 0, 0}, false), "message: before the handshake's end");
@@ -313,7 +318,7 @@ TEST(Identity, IsMadeOnceAndKeptPrivate) {
   const auto first = loadOrMakeIdentity(place);
   ASSERT_TRUE(first.has_value()) << first.error().message;
   const auto modeOf = [](const std::filesystem::path& path) {
-    struct stat found{};
+    struct stat found {};
     EXPECT_EQ(stat(path.c_str(), &found), 0);
     return found.st_mode & 0777u;
   };
@@ -370,9 +375,9 @@ TEST(Pins, NameTheLineThatIsNone) {
   const test::Folder folder;
   const auto file = folder.path() / "paired";
   const std::string good = "viewer " + std::string(64, 'a') + "\n";
-  for (const std::string& bad : {"viewer " + std::string(63, 'a'), "viewer " + std::string(64, 'g'),
-                                 "server " + std::string(64, 'a'), "friend " + std::string(64, 'a'),
-                                 good.substr(0, good.size() - 1) + " more", std::string()}) {
+  for (const std::string& bad :
+       {"viewer " + std::string(63, 'a'), "viewer " + std::string(64, 'g'), "server " + std::string(64, 'a'),
+        "friend " + std::string(64, 'a'), good.substr(0, good.size() - 1) + " more", std::string()}) {
     std::ofstream(file) << good << bad << '\n';
     const auto pins = Pins::load(file);
     ASSERT_FALSE(pins.has_value()) << bad;

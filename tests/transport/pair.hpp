@@ -96,7 +96,8 @@ struct TestViewer {
     for (auto& event : client->poll()) {
       if (auto* one = std::get_if<transport::Connected>(&event)) connected.push_back(*one);
       if (auto* one = std::get_if<transport::Disconnected>(&event)) disconnected.push_back(*one);
-      if (auto* one = std::get_if<transport::ServerMessage>(&event)) messages.push_back(std::move(one->bytes));
+      if (auto* one = std::get_if<transport::ServerMessage>(&event))
+        messages.push_back(std::move(one->bytes));
       if (auto* one = std::get_if<transport::VideoFrame>(&event)) frames.push_back(std::move(one->frame));
     }
   }

@@ -2,6 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <asio/connect.hpp>
+#include <asio/executor_work_guard.hpp>
+#include <asio/io_context.hpp>
+#include <asio/ip/tcp.hpp>
+#include <asio/ip/udp.hpp>
+#include <asio/post.hpp>
+#include <asio/steady_timer.hpp>
+#include <asio/write.hpp>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -11,15 +19,6 @@
 #include <random>
 #include <thread>
 #include <vector>
-
-#include <asio/connect.hpp>
-#include <asio/executor_work_guard.hpp>
-#include <asio/io_context.hpp>
-#include <asio/ip/tcp.hpp>
-#include <asio/ip/udp.hpp>
-#include <asio/post.hpp>
-#include <asio/steady_timer.hpp>
-#include <asio/write.hpp>
 
 namespace tessera::test {
 
@@ -38,7 +37,8 @@ Clock::duration timeOnWire(std::size_t bytes, double megabitPerSecond) {
   return milliseconds(8e-3 * static_cast<double>(bytes) / megabitPerSecond);
 }
 
-/// One way of one TCP connection: reads only as fast as it passes on, so that a slow far end is felt by the near one.
+/// One way of one TCP connection: reads only as fast as it passes on, so that a slow far end is felt by the
+/// near one.
 class Pipe : public std::enable_shared_from_this<Pipe> {
  public:
   Pipe(std::shared_ptr<tcp::socket> from, std::shared_ptr<tcp::socket> to, const Impairment& impairment)
@@ -47,7 +47,8 @@ class Pipe : public std::enable_shared_from_this<Pipe> {
   void read() {
     if (reading_ || ended_ || waiting_ > kMostWaiting) return;
     reading_ = true;
-    from_->async_read_some(asio::buffer(buffer_), [self = shared_from_this()](asio::error_code error, std::size_t n) {
+    from_->async_read_some(asio::buffer(buffer_), [self = shared_from_this()](asio::error_code error,
+                                                                              std::size_t n) {
       self->reading_ = false;
       if (error) {
         self->ended_ = true;
@@ -55,8 +56,9 @@ class Pipe : public std::enable_shared_from_this<Pipe> {
       }
       const auto now = Clock::now();
       self->wireFree_ = std::max(self->wireFree_, now) + timeOnWire(n, self->impairment_.megabitPerSecond);
-      self->queue_.push_back({self->wireFree_ + milliseconds(self->impairment_.delayMs),
-                              Bytes(self->buffer_.begin(), self->buffer_.begin() + static_cast<std::ptrdiff_t>(n))});
+      self->queue_.push_back(
+          {self->wireFree_ + milliseconds(self->impairment_.delayMs),
+           Bytes(self->buffer_.begin(), self->buffer_.begin() + static_cast<std::ptrdiff_t>(n))});
       self->waiting_ += n;
       self->pass();
       self->read();

@@ -1,5 +1,6 @@
-// A network in between, for tests: TCP and UDP on one port of loopback, passed on to a target with loss, delay,
-// jitter, reordering, duplication and a bandwidth limit. The same seed makes the same decisions in the same order.
+// A network in between, for tests: TCP and UDP on one port of loopback, passed on to a target with loss,
+// delay, jitter, reordering, duplication and a bandwidth limit. The same seed makes the same decisions in the
+// same order.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +12,9 @@ namespace tessera::test {
 
 /// Of each direction. What is random is so by packet, independently.
 struct Impairment {
-  double loss = 0.0;            // of datagrams, [0, 1]
-  double duplicate = 0.0;       // of datagrams that come twice
-  double reorder = 0.0;         // of datagrams that are held back by reorderMs
+  double loss = 0.0;       // of datagrams, [0, 1]
+  double duplicate = 0.0;  // of datagrams that come twice
+  double reorder = 0.0;    // of datagrams that are held back by reorderMs
   double reorderMs = 5.0;
   double delayMs = 0.0;         // of all, TCP too
   double jitterMs = 0.0;        // up to this much more, of datagrams; they overtake each other

@@ -1,4 +1,5 @@
-// Access units through packets and back: whole, with losses, out of order, twice, and with bytes that are none.
+// Access units through packets and back: whole, with losses, out of order, twice, and with bytes that are
+// none.
 #include <algorithm>
 #include <map>
 
@@ -23,9 +24,10 @@ struct Sent {
   std::vector<Datagram> packets;
 };
 
-/// Frames first, first + 1, … of several units each: small ones that go together, one in a packet, and large ones in
-/// fragments.
-std::vector<Sent> sendFrames(std::mt19937& random, std::uint32_t first, int count, std::uint16_t sequence = 7) {
+/// Frames first, first + 1, … of several units each: small ones that go together, one in a packet, and large
+/// ones in fragments.
+std::vector<Sent> sendFrames(std::mt19937& random, std::uint32_t first, int count,
+                             std::uint16_t sequence = 7) {
   auto packetiser = RtpPacketiser::make({kSource, sequence, 1200});
   EXPECT_TRUE(packetiser.has_value()) << packetiser.error().message;
   std::vector<Sent> all;
@@ -118,7 +120,8 @@ void lose(double share, std::uint32_t seed) {
     for (const Datagram& packet : sent.packets) {
       now += 1ms;
       // The first packet of all tells where the stream begins, the last that it went that far.
-      const bool end = (sent.frame == 1 && &packet == &sent.packets.front()) || sent.frame == all.back().frame;
+      const bool end =
+          (sent.frame == 1 && &packet == &sent.packets.front()) || sent.frame == all.back().frame;
       if (!end && chance(random) < share) {
         ++lost;
         ++lostOf[sent.frame];
@@ -200,8 +203,8 @@ TEST(RtpReceive, ReorderedAndDoubledPacketsCostNothing) {
     for (const Datagram& packet : sent.packets) packets.push_back(packet);
   // Windows of twelve are shuffled: packets change frames' order too. The first stays.
   for (std::size_t i = 1; i + 12 < packets.size(); i += 12)
-    std::shuffle(packets.begin() + static_cast<std::ptrdiff_t>(i), packets.begin() + static_cast<std::ptrdiff_t>(i + 12),
-                 random);
+    std::shuffle(packets.begin() + static_cast<std::ptrdiff_t>(i),
+                 packets.begin() + static_cast<std::ptrdiff_t>(i + 12), random);
   std::vector<ReceivedFrame> frames;
   for (std::size_t i = 0; i < packets.size(); ++i) {
     now += 1ms;
@@ -336,26 +339,26 @@ TEST(H264Payload, ReadsTheThreeForms) {
   EXPECT_TRUE(assembler.damaged()) << "a unit without its end";
   ASSERT_TRUE(assembler.push(Bytes{0x7c, 0x41, 4}, false).has_value());
   EXPECT_FALSE(assembler.damaged());
-  EXPECT_EQ(assembler.take(), (Bytes{0, 0, 0, 1, 0x67, 0xaa, 0, 0, 0, 1, 0x68, 0, 0, 0, 1, 0x65, 1, 2, 0, 0, 0, 1, 0x61,
-                                     3, 4}));
+  EXPECT_EQ(assembler.take(), (Bytes{0, 0, 0,    1, 0x67, 0xaa, 0, 0, 0, 1,    0x68, 0, 0,
+                                     0, 1, 0x65, 1, 2,    0,    0, 0, 1, 0x61, 3,    4}));
 }
 
 TEST(H264Payload, RefusesWhatTheFormDoesNotAllow) {
   const Bytes bad[] = {
       {},
-      {0xe5, 1},                 // forbidden bit
-      {0x00, 1},                 // type 0
-      {0x19, 1, 2, 3, 4, 5},     // STAP-B
-      {0x1d, 0x81, 0, 0, 1},     // FU-B
-      {0x1e, 1},                 // none
-      {0x18},                    // an aggregate of nothing
-      {0x18, 0},                 // half a length
-      {0x18, 0, 0},              // an empty unit
-      {0x18, 0, 3, 0x67, 1},     // longer than what is there
-      {0x18, 0, 1, 0x18},        // an aggregate in an aggregate
-      {0x7c, 0x81},              // an empty fragment
-      {0x7c, 0xc1, 1},           // first and last
-      {0x7c, 0x9c, 1},           // a fragment of a fragment
+      {0xe5, 1},              // forbidden bit
+      {0x00, 1},              // type 0
+      {0x19, 1, 2, 3, 4, 5},  // STAP-B
+      {0x1d, 0x81, 0, 0, 1},  // FU-B
+      {0x1e, 1},              // none
+      {0x18},                 // an aggregate of nothing
+      {0x18, 0},              // half a length
+      {0x18, 0, 0},           // an empty unit
+      {0x18, 0, 3, 0x67, 1},  // longer than what is there
+      {0x18, 0, 1, 0x18},     // an aggregate in an aggregate
+      {0x7c, 0x81},           // an empty fragment
+      {0x7c, 0xc1, 1},        // first and last
+      {0x7c, 0x9c, 1},        // a fragment of a fragment
   };
   for (const Bytes& payload : bad) {
     H264Assembler assembler;

@@ -1,10 +1,11 @@
-// Who is let in and who is not, over real TLS: pairing, wrong tokens, strange and changed certificates, downgrades.
-#include <fstream>
-
+// Who is let in and who is not, over real TLS: pairing, wrong tokens, strange and changed certificates,
+// downgrades.
 #include <asio/io_context.hpp>
 #include <asio/ip/tcp.hpp>
 #include <asio/ip/udp.hpp>
 #include <asio/ssl.hpp>
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include "codec/transport/identity.hpp"
@@ -51,7 +52,9 @@ class Security : public ::testing::Test {
   Folder serverFolder, viewerFolder, otherFolder;
 };
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 TEST_F(Security, ATokenPairsAndTheCertificatesArePinned) {
   TestServer server(serverOptions());
@@ -68,7 +71,8 @@ TEST_F(Security, ATokenPairsAndTheCertificatesArePinned) {
     EXPECT_TRUE(server.joined[0].secure);
     ASSERT_TRUE(server.server->send(server.joined[0].viewer, Bytes(2'000'000, 7)).has_value());
     ASSERT_TRUE(viewer.client->send(Bytes{1, 2}).has_value());
-    EXPECT_TRUE(viewer.until([&] { return viewer.messages.size() == 1 && viewer.messages[0].size() == 2'000'000; }));
+    EXPECT_TRUE(
+        viewer.until([&] { return viewer.messages.size() == 1 && viewer.messages[0].size() == 2'000'000; }));
     EXPECT_TRUE(server.until([&] { return server.messages.size() == 1; }));
   }
   const auto viewerPins = Pins::load(viewerFolder.path() / "paired");
@@ -88,8 +92,9 @@ TEST_F(Security, AWrongTokenIsRefusedAndPinsNothing) {
   ClientOptions options = viewerOptions(server.server->address());
   options.token = kOther;
   TestViewer viewer(options);
-  EXPECT_EQ(viewer.refusal(),
-            "the server refused: the pairing token is not the same on both sides, or someone sits between them");
+  EXPECT_EQ(
+      viewer.refusal(),
+      "the server refused: the pairing token is not the same on both sides, or someone sits between them");
   EXPECT_TRUE(waitFor([&] { return server.log.has("refused: the pairing token is not the same"); }));
   EXPECT_FALSE(std::filesystem::exists(viewerFolder.path() / "paired"));
   EXPECT_FALSE(std::filesystem::exists(serverFolder.path() / "paired"));
@@ -142,7 +147,8 @@ TEST_F(Security, AChangedCertificateIsRefused) {
   ASSERT_TRUE(server.server) << server.error;
   TestViewer viewer(viewerOptions(options.listen));
   const std::string why = viewer.refusal();
-  EXPECT_TRUE(contains(why, "the certificate of " + describe(options.listen) + " changed: paired with ")) << why;
+  EXPECT_TRUE(contains(why, "the certificate of " + describe(options.listen) + " changed: paired with "))
+      << why;
   EXPECT_TRUE(contains(why, server.server->fingerprint())) << why;
   server.poll();
   EXPECT_TRUE(server.joined.empty());
@@ -182,7 +188,8 @@ TEST_F(Security, APlainViewerIsRefusedByASecureServer) {
   TestViewer viewer(plain);
   EXPECT_EQ(viewer.refusal(),
             "the server refused: plain TCP is refused: this server asks for TLS and a pairing token");
-  EXPECT_TRUE(waitFor([&] { return server.log.has("plain TCP is refused: TLS and a pairing token are a must here"); }));
+  EXPECT_TRUE(waitFor(
+      [&] { return server.log.has("plain TCP is refused: TLS and a pairing token are a must here"); }));
 }
 
 TEST_F(Security, APlainServerIsRefusedByASecureViewer) {
@@ -232,7 +239,8 @@ TEST_F(Security, AViewerWithoutACertificateIsRefused) {
   bare.next_layer().connect({asio::ip::make_address("127.0.0.1"), server.server->address().port});
   asio::error_code error;
   bare.handshake(asio::ssl::stream_base::client, error);
-  EXPECT_TRUE(waitFor([&] { return server.log.has("peer did not return a certificate"); })) << server.log.text();
+  EXPECT_TRUE(waitFor([&] { return server.log.has("peer did not return a certificate"); }))
+      << server.log.text();
 }
 
 TEST_F(Security, TlsBelow13IsRefusedByTheViewer) {
@@ -283,8 +291,9 @@ TEST_F(Security, ARelayInBetweenIsRefused) {
   relay(toServer, toViewer);
   relay(toViewer, toServer);
   relay(toServer, toViewer);
-  EXPECT_EQ(viewer.refusal(),
-            "the server refused: the pairing token is not the same on both sides, or someone sits between them");
+  EXPECT_EQ(
+      viewer.refusal(),
+      "the server refused: the pairing token is not the same on both sides, or someone sits between them");
   server.poll();
   EXPECT_TRUE(server.joined.empty());
 }
@@ -295,13 +304,15 @@ TEST_F(Security, VideoIsEncryptedAndComesWhole) {
   TestServer server(options);
   ASSERT_TRUE(server.server) << server.error;
   TestViewer viewer(viewerOptions(server.server->address()));
-  ASSERT_TRUE(server.until([&] { return !server.videoOpen.empty(); })) << server.log.text() << viewer.log.text();
+  ASSERT_TRUE(server.until([&] { return !server.videoOpen.empty(); }))
+      << server.log.text() << viewer.log.text();
   std::mt19937 random(1);
   std::vector<Bytes> sent;
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
     sent.push_back(test::accessUnit(random, {20, 9000}));
-    ASSERT_TRUE(server.server->sendVideo(server.joined[0].viewer, frame, std::make_shared<const Bytes>(sent.back()))
-                    .has_value());
+    ASSERT_TRUE(
+        server.server->sendVideo(server.joined[0].viewer, frame, std::make_shared<const Bytes>(sent.back()))
+            .has_value());
     std::this_thread::sleep_for(5ms);
   }
   ASSERT_TRUE(viewer.until([&] { return viewer.frames.size() == 20; })) << viewer.frames.size();

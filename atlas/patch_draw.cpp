@@ -39,9 +39,13 @@ PatchDraw::PatchDraw(std::uint32_t patchInstances, std::uint32_t entries,
   vertexArray_.indices(indices_);
   vertexArray_.attribute(0, vertices_, 3, sizeof(glsl::DisplayVertex));
   const GLuint array = vertexArray_.get();
-  gl::api().EnableVertexArrayAttrib(array, 1);
-  gl::api().VertexArrayAttribIFormat(array, 1, 1, GL_UNSIGNED_INT, offsetof(glsl::DisplayVertex, texel));
-  gl::api().VertexArrayAttribBinding(array, 1, 0);
+  const auto addInteger = [&](GLuint attribute, std::size_t offset) {
+    gl::api().EnableVertexArrayAttrib(array, attribute);
+    gl::api().VertexArrayAttribIFormat(array, attribute, 1, GL_UNSIGNED_INT, static_cast<GLuint>(offset));
+    gl::api().VertexArrayAttribBinding(array, attribute, 0);
+  };
+  addInteger(1, offsetof(glsl::DisplayVertex, texel));
+  addInteger(2, offsetof(glsl::DisplayVertex, block));
 }
 
 void PatchDraw::emit(const gl::Program& program, const VisibleSet& visible) const {

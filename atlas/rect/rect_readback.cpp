@@ -22,7 +22,8 @@ GatherStatistics RectAtlas::readStatistics() const {
       memory.liveTexels + memory.endTexels + memory.stackTexels + memory.inaccessibleTexels + memory.records;
   const std::uint64_t vertices = draw_.readVertices();
   statistics.displayBytes = vertices * sizeof(glsl::DisplayVertex);
-  statistics.decodeBytes = vertices * sizeof(glsl::DisplayVertex::texel);
+  statistics.decodeBytes =
+      vertices * (sizeof(glsl::DisplayVertex::texel) + sizeof(glsl::DisplayVertex::block));
   statistics.failures = memory.failures;
   statistics.resets = memory.resets;
   statistics.bias = static_cast<double>(memory.bias);

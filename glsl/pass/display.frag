@@ -11,6 +11,8 @@ layout(location = 2) in vec2 vAtlas;
 #include "lib/texel_find.glsl"
 layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;
 layout(location = 3) flat in uint vPatch;
+#else
+layout(location = 3) flat in vec4 vWithin;
 #endif
 layout(location = 0) out vec4 oColor;
 
@@ -26,7 +28,9 @@ void main() {
 #ifdef CHARTS
   vec2 at = texelOfChart(vPatch, vAtlas, dx, dy) * uTexelToUv;
 #else
-  vec2 at = vAtlas;
+  // The rasterizer snaps corners to its grid, so a pixel's centre may lie outside of a triangle that covers it: of a
+  // needle by as much as it is high, and the place by a block.
+  vec2 at = clamp(vAtlas, vWithin.xy, vWithin.zw);
 #endif
   oColor = vec4(textureLod(uAtlas, at, 0.0).rgb, 1.0);
 }

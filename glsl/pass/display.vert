@@ -31,9 +31,14 @@ layout(location = LOCATION_SIZE) uniform vec2 uTexelToUv;  // 1 / size of the at
 
 layout(location = 0) in vec3 aPosition;
 layout(location = 1) in uint aTexel;
+#ifndef CHARTS
+layout(location = 2) in uint aBlock;
+#endif
 layout(location = 2) out vec2 vAtlas;
 #ifdef CHARTS
 layout(location = 3) flat out uint vPatch;
+#else
+layout(location = 3) flat out vec4 vWithin;  // where bilinear filtering stays in the block: low xy, high zw
 #endif
 
 invariant gl_Position;
@@ -44,6 +49,9 @@ void main() {
 #ifdef CHARTS
   vPatch = gatherVertices[gl_VertexID].instance & ~kChartRepeated;
 #else
+  uvec2 size = uvec2(aBlock & 15u, aBlock >> 4u);
+  vec2 start = vec2(blockStart(aTexel & 0xffffu, size.x), blockStart(aTexel >> 16u, size.y));
+  vWithin = vec4(start + 0.5, start + vec2(uvec2(1u) << size) - 0.5) * uTexelToUv.xyxy;
   vAtlas *= uTexelToUv;
 #endif
 #ifdef MASK

@@ -44,14 +44,14 @@ void writeCorner(Placed placed, uint slot, uint vertex, uvec2 side) {
   vec3 local = vec3(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
   vec3 p = transformPoint(placed.instance, local);
 #ifdef CHARTS
-  drawVertices[slot] = DisplayVertex(p.x, p.y, p.z, side.x | (side.y << 16u));
+  drawVertices[slot] = DisplayVertex(p.x, p.y, p.z, side.x | (side.y << 16u), 0u);
   gatherVertices[slot] = GatherVertex(vertex, placed.chart);
 #else
   if (placed.transposed) side = uvec2(side.y, side.x);
   uvec2 corner = unpackOrigin(placed.origin);
   uint x = 2u * corner.x + cornerHalfTexel(side.x, placed.log2Size.x);
   uint y = 2u * corner.y + cornerHalfTexel(side.y, placed.log2Size.y);
-  drawVertices[slot] = DisplayVertex(p.x, p.y, p.z, x | (y << 16u));
+  drawVertices[slot] = DisplayVertex(p.x, p.y, p.z, x | (y << 16u), placed.log2Size.x | (placed.log2Size.y << 4u));
   uint bits = (side.x << kCornerSideX) | (side.y << kCornerSideY) |
               (placed.log2Size.x == 0u ? 1u << kCornerSingleX : 0u) |
               (placed.log2Size.y == 0u ? 1u << kCornerSingleY : 0u);

@@ -4,12 +4,13 @@
 #include "shared/dialect.h"
 TESSERA_SHARED_BEGIN
 
-// A vertex of the visible set with its place in the atlas: all that display needs. 16 bytes.
+// A vertex of the visible set with its place in the atlas: all that display needs. 20 bytes.
 struct DisplayVertex {
   float x;  // world, relative to the anchor
   float y;
   float z;
   uint texel;  // atlas coordinates in half texels: x in bits 0-15, y in bits 16-31
+  uint block;  // log2 of its block's width in bits 0-3, of its height in bits 4-7
 };
 
 // What shading needs besides: the vertex whose attributes it takes, and how its corner meets the block's edge.
@@ -48,6 +49,9 @@ SHARED_FN uint cornerHalfTexel(uint side, uint log2Size) {
   return side == 0u ? 1u : (side == 1u ? size : 2u * size - 1u);
 }
 
+// The first texel of the block that a half-texel coordinate lies in: blocks are aligned to their size.
+SHARED_FN uint blockStart(uint halfTexel, uint log2Size) { return ((halfTexel >> 1u) >> log2Size) << log2Size; }
+
 // How far past its texel centre an edge corner is drawn when shading, in texels. The rasterizer's fill rule leaves the
 // texels exactly on the right and bottom edges out; four steps of the 8-bit subpixel grid bring them in, and shift the
 // sample by at most this much of a texel. A block of one texel is drawn edge to edge.
@@ -61,7 +65,7 @@ SHARED_FN float gatherCoordinate(uint halfTexel, uint side, bool single) {
 
 TESSERA_SHARED_END
 #ifdef __cplusplus
-static_assert(sizeof(tessera::glsl::DisplayVertex) == 16);
+static_assert(sizeof(tessera::glsl::DisplayVertex) == 20);
 static_assert(sizeof(tessera::glsl::GatherVertex) == 8);
 static_assert(sizeof(tessera::glsl::DrawCommand) == 20);
 static_assert(sizeof(tessera::glsl::BatchGpu) == 8);

@@ -149,7 +149,7 @@ class Streaming {
         all.push_back(view);
       }
       for (const View& end : {predicted.front().view, predicted.back().view})
-        if (ends_.size() < kMaxViews) ends_.push_back(end);
+        if (ends_.size() < Engine::kMaxViews) ends_.push_back(end);
     }
     return all;
   }

@@ -7,7 +7,6 @@
 #include "codec/wire/visible_mirror.hpp"
 #include "engine/scene/gltf.hpp"
 #include "tests/gl_test.hpp"
-#include "tests/wire/engine_feed.hpp"
 
 namespace tessera {
 namespace {

@@ -145,7 +145,7 @@ case "$command" in
     git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run --Werror
     say "clang-tidy"
     # gltf_tinygltf.cpp is tinygltf's own text, compiled.
-    git ls-files 'engine/*.cpp' 'atlas/*.cpp' 'apps/*.cpp' ':!engine/scene/gltf_tinygltf.cpp' | xargs -P 2 -n 4 clang-tidy -p "$build" --quiet
+    git ls-files 'engine/*.cpp' 'atlas/*.cpp' 'codec/*.cpp' 'apps/*.cpp' ':!engine/scene/gltf_tinygltf.cpp' | xargs -P 2 -n 4 clang-tidy -p "$build" --quiet
     ;;
   help | -h | --help)
     sed -n '2,10p' "$root/run.sh" | sed 's/^# \{0,1\}//'

@@ -38,6 +38,28 @@ const char* nameOf(NoPicture reason) {
   return "unknown";
 }
 
+namespace {
+
+Result<libav::Owned<AVCodecContext>> open(const DecoderOptions& options) {
+  const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_H264);
+  if (codec == nullptr) return fail("video: this libavcodec has no H.264 decoder");
+  libav::Owned<AVCodecContext> context(avcodec_alloc_context3(codec));
+  if (!context) return fail("video: no memory for a decoder");
+  context->log_level_offset = libav::kSilent;
+  context->thread_count = options.threads;
+  context->thread_type = FF_THREAD_SLICE;  // threads over frames would each hold one back
+  context->flags |= AV_CODEC_FLAG_LOW_DELAY;
+  context->max_pixels = static_cast<std::int64_t>(options.maxPixels);
+  // What is wrong is refused, not guessed at.
+  context->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER;
+  context->error_concealment = 0;
+  if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0)
+    return fail("video: the H.264 decoder does not open: {}", libav::errorText(code));
+  return context;
+}
+
+}  // namespace
+
 struct VideoDecoder::State {
   DecoderOptions options;
   libav::Owned<AVCodecContext> context;
@@ -45,6 +67,7 @@ struct VideoDecoder::State {
   libav::Owned<AVPacket> packet;
   std::optional<std::uint64_t> last;  // the newest frame that was decoded
   bool waiting = true;                // for an I-frame
+  bool touched = false;               // the context has seen a packet
   NoPicture status = NoPicture::NoVideoYet;
 
   Decoded none(Decoded result, NoPicture reason, std::string detail) {
@@ -57,6 +80,15 @@ struct VideoDecoder::State {
   Decoded broken(Decoded result, NoPicture reason, std::string detail) {
     waiting = true;
     return none(std::move(result), reason, std::move(detail));
+  }
+  /// Another context in place of this one. A flush would not do: what a hostile stream claimed, such as how
+  /// many pictures to hold back, outlives it.
+  Result<void> renew() {
+    auto fresh = open(options);
+    if (!fresh) return tl::unexpected(fresh.error());
+    context = std::move(*fresh);
+    touched = false;
+    return {};
   }
   Result<void> run(const StampedPacket& stamped);
   Decoded decode(std::span<const std::uint8_t> bytes);
@@ -104,11 +136,12 @@ Decoded VideoDecoder::State::decode(std::span<const std::uint8_t> bytes) {
       return broken(std::move(result), NoPicture::FrameLost,
                     fmt::format("frame {}: builds on frame {}; the last that came is {}", stamp.frame,
                                 stamp.reference, *last));
-  } else if (waiting) {
-    avcodec_flush_buffers(context.get());
+  } else if (waiting && touched) {
+    if (auto done = renew(); !done)
+      return broken(std::move(result), NoPicture::DecodeFailed, done.error().message);
   }
+  touched = true;
   if (auto done = run(*stamped); !done) {
-    avcodec_flush_buffers(context.get());
     return broken(std::move(result), NoPicture::DecodeFailed,
                   fmt::format("frame {}: {}", stamp.frame, done.error().message));
   }
@@ -141,32 +174,20 @@ Result<VideoDecoder> VideoDecoder::create(const DecoderOptions& options) {
     return fail("video: {} threads are outside [1, 64]", options.threads);
   if (options.maxPixels < 256 || options.maxPixels > kMaxImagePixels)
     return fail("video: {} pixels at most are outside [256, {}]", options.maxPixels, kMaxImagePixels);
-  const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_H264);
-  if (codec == nullptr) return fail("video: this libavcodec has no H.264 decoder");
+  auto context = open(options);
+  if (!context) return tl::unexpected(context.error());
   auto state = std::make_unique<State>();
   state->options = options;
-  state->context.reset(avcodec_alloc_context3(codec));
+  state->context = std::move(*context);
   state->frame.reset(av_frame_alloc());
   state->packet.reset(av_packet_alloc());
-  if (!state->context || !state->frame || !state->packet) return fail("video: no memory for a decoder");
-  AVCodecContext& context = *state->context;
-  context.log_level_offset = libav::kSilent;
-  context.thread_count = options.threads;
-  context.thread_type = FF_THREAD_SLICE;  // threads over frames would each hold one back
-  context.flags |= AV_CODEC_FLAG_LOW_DELAY;
-  context.max_pixels = static_cast<std::int64_t>(options.maxPixels);
-  // What is wrong is refused, not guessed at.
-  context.err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER;
-  context.error_concealment = 0;
-  if (const int code = avcodec_open2(&context, codec, nullptr); code < 0)
-    return fail("video: the H.264 decoder does not open: {}", libav::errorText(code));
+  if (!state->frame || !state->packet) return fail("video: no memory for a frame");
   return VideoDecoder(std::move(state));
 }
 
 Decoded VideoDecoder::decode(std::span<const std::uint8_t> packet) { return s_->decode(packet); }
 
 void VideoDecoder::reset() {
-  avcodec_flush_buffers(s_->context.get());
   s_->last.reset();
   s_->waiting = true;
   s_->status = NoPicture::NoVideoYet;

@@ -238,6 +238,9 @@ Result<EncodedFrame> VideoEncoder::State::encode(const YuvView& planes, std::uin
   code = avcodec_receive_packet(context.get(), packet.get());
   if (code < 0)
     return fail("{}: frame {} does not come out at once: {}", name, number, libav::errorText(code));
+  if (packet->pts != in.pts)
+    return fail("{}: frame {} does not come out at once: what came is {} frames older", name, number,
+                in.pts - packet->pts);
   const std::span<const std::uint8_t> bytes(packet->data, static_cast<std::size_t>(packet->size));
   EncodedFrame out{.frame = number, .reference = number, .bytes = {}, .milliseconds = 0.0};
   const bool idr = holdsIdr(bytes);

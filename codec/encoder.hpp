@@ -79,9 +79,10 @@ class VideoEncoder {
   VideoEncoder& operator=(VideoEncoder&& other) noexcept;
   ~VideoEncoder();
 
-  /// Encodes one frame at once. `frame` numbers rise from call to call, by any step. Fails where the planes
-  /// are not of the options' size and chroma, where numbers do not rise, for a region out of range, and where
-  /// the encoder does; the next frame is then an I-frame.
+  /// Encodes one frame at once. `frame` numbers rise from call to call, by any step. Fails, and leaves all as
+  /// it was, where the planes are not of the options' size and chroma, where numbers do not rise, and for a
+  /// region out of range. Fails where the encoder does, or holds the frame back; the next frame is then an
+  /// I-frame.
   Result<EncodedFrame> encode(const YuvView& planes, std::uint64_t frame, const EncodeOptions& options = {});
 
   /// libavcodec's name of the encoder that was taken.

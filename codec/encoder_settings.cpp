@@ -19,6 +19,12 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const std::string& e
     preset("superfast");
     // Of "zerolatency": no lookahead, no B-frames, slices in parallel instead of frames.
     settings.insert(settings.end(), {{"tune", "zerolatency"}, {"coder", "cavlc"}, {"forced-idr", "1"}});
+    // An atlas is not a film: next to a block lies another surface, so that filtering over macroblocks' edges
+    // mixes what is unrelated (without it 0.3 dB better at 10 Mbit/s, the same at 40, and decoding takes half
+    // as long), and what varies little may be large in the picture (without adaptive quantization 0.9 dB
+    // better in atlas and picture; regions need it on, so its strength is next to nothing).
+    settings.insert(settings.end(),
+                    {{"aq-mode", "1"}, {"aq-strength", "0.01"}, {"x264-params", "no-deblock=1"}});
     // I-frames come where they are asked for, not where pictures change.
     settings.emplace_back("sc_threshold", "0");
     if (constant) settings.emplace_back("crf", fmt::format("{}", options.quality));

@@ -20,5 +20,7 @@ Run addAtlasBench(CLI::App& app);
 Run addStability(CLI::App& app, Exit& ending);
 Run addAccuracy(CLI::App& app);
 Run addPvs(CLI::App& app);
+/// Only where video coding is built.
+Run addVideoBench(CLI::App& app);
 
 }  // namespace tessera::app

@@ -25,6 +25,9 @@ int run(int argc, char** argv) {
       {"stability", tessera::app::addStability(app, ending)},
       {"accuracy", tessera::app::addAccuracy(app)},
       {"pvs", tessera::app::addPvs(app)},
+#ifdef TESSERA_HAS_CODEC
+      {"video-bench", tessera::app::addVideoBench(app)},
+#endif
   };
   try {
     app.parse(argc, argv);

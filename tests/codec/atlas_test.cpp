@@ -49,9 +49,9 @@ TEST_F(CodecAtlas, ComesBackWithinTheBound) {
   ASSERT_TRUE(engine);
   struct Case {
     Chroma chroma;
-    double worst;  // dB of any frame, over red, green and blue; measured 34.6 (4:2:0) and 37.7 (4:4:4)
+    double worst;  // dB of any frame, over red, green and blue; measured 37.1 and 37.9
   };
-  for (const auto& [chroma, worst] : {Case{Chroma::Yuv420, 33.0}, Case{Chroma::Yuv444, 36.0}}) {
+  for (const auto& [chroma, worst] : {Case{Chroma::Yuv420, 36.0}, Case{Chroma::Yuv444, 37.0}}) {
     const gl::Texture& atlas = engine->gatherer()->atlas().encoded;
     ASSERT_TRUE(atlas);
     EncoderOptions options;

@@ -28,24 +28,35 @@ void keep(void* /*context*/, int level, const char* format, va_list arguments) {
   traced += line;
 }
 
-/// All headers of a packet, a field a line.
-std::string headersOf(std::span<const std::uint8_t> bytes) {
-  AVBSFContext* filter = nullptr;
-  EXPECT_GE(av_bsf_alloc(av_bsf_get_by_name("trace_headers"), &filter), 0);
-  filter->par_in->codec_id = AV_CODEC_ID_H264;
-  filter->par_in->codec_type = AVMEDIA_TYPE_VIDEO;
-  traced.clear();
-  av_log_set_callback(keep);
-  EXPECT_GE(av_bsf_init(filter), 0);
-  libav::Owned<AVPacket> packet(av_packet_alloc());
-  EXPECT_GE(av_new_packet(packet.get(), static_cast<int>(bytes.size())), 0);
-  std::copy(bytes.begin(), bytes.end(), packet->data);
-  EXPECT_GE(av_bsf_send_packet(filter, packet.get()), 0);
-  EXPECT_GE(av_bsf_receive_packet(filter, packet.get()), 0);
-  av_log_set_callback(av_log_default_callback);
-  av_bsf_free(&filter);
-  return traced;
-}
+/// Prints the headers of a stream's packets, in order.
+class Headers {
+ public:
+  Headers() {
+    EXPECT_GE(av_bsf_alloc(av_bsf_get_by_name("trace_headers"), &filter_), 0);
+    filter_->par_in->codec_id = AV_CODEC_ID_H264;
+    filter_->par_in->codec_type = AVMEDIA_TYPE_VIDEO;
+    EXPECT_GE(av_bsf_init(filter_), 0);
+  }
+  ~Headers() { av_bsf_free(&filter_); }
+  Headers(const Headers&) = delete;
+  Headers& operator=(const Headers&) = delete;
+
+  /// All of a packet, a field a line.
+  std::string of(std::span<const std::uint8_t> bytes) {
+    traced.clear();
+    av_log_set_callback(keep);
+    libav::Owned<AVPacket> packet(av_packet_alloc());
+    EXPECT_GE(av_new_packet(packet.get(), static_cast<int>(bytes.size())), 0);
+    std::copy(bytes.begin(), bytes.end(), packet->data);
+    EXPECT_GE(av_bsf_send_packet(filter_, packet.get()), 0);
+    EXPECT_GE(av_bsf_receive_packet(filter_, packet.get()), 0);
+    av_log_set_callback(av_log_default_callback);
+    return traced;
+  }
+
+ private:
+  AVBSFContext* filter_ = nullptr;
+};
 
 /// All values that a field has in these headers.
 std::set<int> valuesOf(const std::string& headers, const std::string& field) {
@@ -73,8 +84,9 @@ TEST(VideoStream, SaysWhatTheHouseAsksFor) {
       ASSERT_TRUE(encoder) << encoder.error().message;
       const auto stream = test::encodeMoving(*encoder, options, 7);
       ASSERT_EQ(stream.size(), 7u);
+      Headers reader;
       for (std::size_t i = 0; i < stream.size(); ++i) {
-        const std::string headers = headersOf(stream[i].bytes);
+        const std::string headers = reader.of(stream[i].bytes);
         const bool iFrame = i % 3 == 0;
         // Each I-frame stands alone: parameter sets, and slices that take nothing from before.
         EXPECT_EQ(valuesOf(headers, "nal_unit_type"), iFrame ? (Values{5, 6, 7, 8}) : (Values{1, 6})) << i;

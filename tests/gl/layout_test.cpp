@@ -8,6 +8,7 @@
 #include "glsl/shared/scene.h"
 #include "glsl/shared/tess_atlas.h"
 #include "glsl/shared/texel.h"
+#include "glsl/shared/yuv.h"
 #include "tests/gl_test.hpp"
 
 namespace tessera {
@@ -118,6 +119,16 @@ TEST_F(Layout, TessellationGatherer) {
   const GLuint scan = use({"pass/tess_scan.comp"}, {});
   expectStride(scan, "groups[0].x", sizeof(glsl::TessGroups));
   expectOffset(scan, variable, "groups[0].samples", offsetof(glsl::TessGroups, samples));
+}
+
+TEST_F(Layout, Video) {
+  const GLenum variable = GL_BUFFER_VARIABLE;
+  const GLuint pack = use({"pass/yuv_pack.comp"}, {{"SIDE", "2"}});
+  expectOffset(pack, variable, "header.frame", offsetof(glsl::YuvHeader, frame));
+  expectOffset(pack, variable, "header.width", offsetof(glsl::YuvHeader, width));
+  expectOffset(pack, variable, "header.height", offsetof(glsl::YuvHeader, height));
+  expectOffset(pack, variable, "header.side", offsetof(glsl::YuvHeader, side));
+  expectOffset(pack, variable, "planes[0]", sizeof(glsl::YuvHeader));
 }
 
 TEST_F(Layout, TexelShading) {

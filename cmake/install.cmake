@@ -4,17 +4,16 @@
 include(CMakePackageConfigHelpers)
 
 # What only the rooms themselves include stays out: engine_state.hpp, the loader's parts behind gltf.hpp, and what
-# tessera_atlas_bench holds.
-set(rooms engine atlas)
-if(TARGET tessera_codec)
-  list(APPEND rooms codec)
-endif()
-install(DIRECTORY ${rooms} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
+# tessera_atlas_bench holds; of codec/wire, how the two ends of a stream code it.
+install(DIRECTORY engine atlas codec DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
         PATTERN "engine_state.hpp" EXCLUDE PATTERN "gltf_*.hpp" EXCLUDE
         PATTERN "request_stream.hpp" EXCLUDE PATTERN "place_tracker.hpp" EXCLUDE
         PATTERN "quadtree*.hpp" EXCLUDE
         PATTERN "libav.hpp" EXCLUDE PATTERN "frame_planes.hpp" EXCLUDE
-        PATTERN "encoder_settings.hpp" EXCLUDE)
+        PATTERN "encoder_settings.hpp" EXCLUDE
+        PATTERN "geometry_coding.hpp" EXCLUDE PATTERN "geometry_models.hpp" EXCLUDE
+        PATTERN "range_coder.hpp" EXCLUDE PATTERN "stream_state.hpp" EXCLUDE PATTERN "slots.hpp" EXCLUDE
+        PATTERN "bytes.hpp" EXCLUDE)
 install(DIRECTORY glsl/shared DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera/glsl)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/engine/gl/glad/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera)
 install(DIRECTORY assets/ DESTINATION ${CMAKE_INSTALL_DATADIR}/tessera/assets

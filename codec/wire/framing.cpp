@@ -52,11 +52,17 @@ Result<std::optional<Message>> MessageParser::next() {
   if (waiting.size() < kHeaderBytes) return std::optional<Message>();
   const auto header = readHeader(waiting);
   if (!header) return lose(header.error());
+  if (peer_ && !sends(*peer_, header->kind))
+    return lose(
+        {fmt::format("{}: from a {}", nameOf(header->kind), *peer_ == Role::Server ? "server" : "viewer")});
+  if (peer_ && first_ && header->kind != Kind::Hello && header->kind != Kind::Refusal)
+    return lose({fmt::format("{}: before a hello", nameOf(header->kind))});
   const auto body = waiting.subspan(kHeaderBytes);
   if (body.size() < header->bytes) return std::optional<Message>();
   auto message = decode(header->kind, body.first(header->bytes));
   if (!message) return lose(message.error());
   at_ += kHeaderBytes + header->bytes;
+  first_ = false;
   return std::optional<Message>(std::move(*message));
 }
 

@@ -11,9 +11,14 @@
 
 namespace tessera::wire {
 
-/// Cuts a stream into messages. Takes no more memory than one message of the kind that is under way.
+/// Cuts a stream into messages. Takes no more memory than the pieces it is fed and one message of
+/// the kind that is under way.
 class MessageParser {
  public:
+  /// With a peer's role, headers of what such a peer may not send are refused, and of all but a hello or a
+  /// refusal as the first: nobody makes this side hold more bytes than a hello has before MessageOrder has
+  /// seen one.
+  explicit MessageParser(std::optional<Role> peer = {}) : peer_(peer) {}
   /// Bytes as they came, any number of them. The whole messages among them wait for next().
   void feed(std::span<const std::uint8_t> bytes);
   /// The next whole message; none while more bytes are needed. Fails for a header or a body that is none;
@@ -29,6 +34,8 @@ class MessageParser {
   std::vector<std::uint8_t> bytes_;
   std::size_t at_ = 0;
   std::optional<Error> lost_;
+  std::optional<Role> peer_;
+  bool first_ = true;
 };
 
 /// Messages on their way out. What the socket takes at once is up to the socket.

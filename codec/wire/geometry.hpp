@@ -35,7 +35,7 @@ inline constexpr float kMostMaskCoordinate = 4096.0f;
 /// A vertex that may be sent. Vertices at one place of one object should be one: they are sent once, and
 /// triangles around them cannot come apart. A vertex of masked triangles is one with its mask coordinates.
 struct SourceVertex {
-  glm::vec3 position{0.0f};  // in its object's space; finite
+  glm::vec3 position{0.0f};  // in its object's space; each below 2^60
   std::uint32_t object = 0;  // below kMostObjects
   glm::vec2 mask{0.0f};      // texture coordinates of the mask; sent for vertices of masked elements only
 };
@@ -62,7 +62,7 @@ struct VisibleElement {
   std::uint32_t parent = kNone;  // of a piece: the id of its triangle, which is visible too
 };
 
-/// Affine, from the object's space to the world's.
+/// Affine and finite, from the object's space to the world's.
 struct ObjectTransform {
   glm::dmat4x3 world{1.0};
   bool operator==(const ObjectTransform&) const = default;

@@ -102,36 +102,160 @@ void codeRectPlace(Io& io, GeometryModels& models, const std::array<std::uint32_
   models.words = words;
 }
 
-/// A triangle's or a piece's.
+/// A size of a block in texels, below 2^bits; `own`: what it was, else null; `known`: a size that goes with
+/// it.
 template <class Io>
-void codeTessPlace(Io& io, GeometryModels& models, const std::array<std::uint32_t, kMostWords>* own,
+void codeTessSize(Io& io, TessModels::Size& models, int bits, const std::uint32_t* own, std::uint32_t known,
+                  std::uint32_t& size) {
+  std::uint32_t number = sizeClass(size);
+  bool regular = sizeOfClass(number) == size;
+  io.bit(models.regular, regular);
+  if (!regular) {
+    io.plain(size, bits);
+    return;
+  }
+  if (own != nullptr) {
+    std::int64_t value = number;
+    codeNear(io, models.step, sizeClass(*own), value);
+    number = static_cast<std::uint32_t>(value) & ((1u << kSizeClassBits) - 1u);
+  } else {
+    io.symbol(models.number[std::min(sizeClass(known) / 2, 31u)], number);
+  }
+  size = sizeOfClass(number) & ((1u << bits) - 1u);
+}
+
+template <class Io>
+void codeTessSlot(Io& io, TessModels& models, const TessStock& stock, const std::uint32_t* own,
+                  std::uint32_t& place) {
+  if (own != nullptr) {
+    bool kept = place == *own;
+    io.bit(models.keptPlace[1], kept);
+    if (kept) {
+      place = *own;
+      return;
+    }
+  }
+  // A half that is not there.
+  bool none = place == glsl::kNoPlace;
+  io.bit(models.keptPlace[0], none);
+  if (none) {
+    place = glsl::kNoPlace;
+    return;
+  }
+  std::uint32_t& last = models.place[stock.number];
+  bool turned = glsl::placeTurned(place) != 0;
+  const bool before = glsl::placeTurned(last) != 0;
+  io.bit(models.turned[before ? 1 : 0], turned);
+  std::int64_t x = glsl::placeX(place);
+  std::int64_t y = glsl::placeY(place);
+  const std::size_t same = turned == before ? 1 : 0;
+  codeNear(io, models.step[0][stock.context][same], glsl::placeX(last), x);
+  codeNear(io, models.step[1][stock.context][same], glsl::placeY(last), y);
+  place = last = glsl::packPlace(static_cast<std::uint32_t>(x) & 0x7fffu,
+                                 static_cast<std::uint32_t>(y) & 0xffffu, turned ? 1 : 0);
+}
+
+/// Of Oversampling: sizes, apex and foot. The foot is where the halves' columns say, but for their rounding.
+template <class Io>
+void codeTessShape(Io& io, TessModels& models, const glsl::OverShape* own, glsl::OverShape& shape) {
+  codeTessSize(io, models.sizes[0], 12, own != nullptr ? &own->columns0 : nullptr, 0, shape.columns0);
+  codeTessSize(io, models.sizes[1], 12, own != nullptr ? &own->columns1 : nullptr, shape.columns0,
+               shape.columns1);
+  codeTessSize(io, models.sizes[2], 16, own != nullptr ? &own->rows : nullptr,
+               std::max(shape.columns0, shape.columns1), shape.rows);
+  bool same = own != nullptr && shape.apex == own->apex;
+  if (own != nullptr) io.bit(models.sameApex, same);
+  if (same)
+    shape.apex = own->apex;
+  else
+    io.symbol(models.apex, shape.apex);
+  const std::uint32_t columns = shape.columns0 + shape.columns1;
+  const std::uint32_t from = own != nullptr ? own->foot
+                             : columns == 0 ? 0
+                                            : 65535u * shape.columns0 / columns;
+  std::int64_t foot = shape.foot;
+  codeNear(io, models.foot[own != nullptr ? 1 : 0], from, foot);
+  shape.foot = static_cast<std::uint32_t>(foot) & 0xffffu;
+}
+
+/// A triangle's words, or a piece's. What its kind does not have is 0.
+template <class Io>
+void codeTessPlace(Io& io, GeometryModels& models, bool piece,
+                   const std::array<std::uint32_t, kMostWords>* own,
                    std::array<std::uint32_t, kMostWords>& words) {
+  TessModels& tess = models.tess;
   const std::size_t moved = own != nullptr ? 1 : 0;
-  const std::array<std::uint32_t, kMostWords> expected = own != nullptr ? *own : models.words;
+  const auto& before = own != nullptr ? *own : models.words;
+  std::uint32_t kind = glsl::kindOf(words[0]);
+  io.symbol(tess.kind[moved][glsl::kindOf(before[0])], kind);
+  const bool alike = own != nullptr && kind == glsl::kindOf(before[0]);
   std::array<std::uint32_t, kMostWords> coded{};
-  for (std::size_t i = 0; i < kTessFields.size(); ++i) {
-    const WordField& field = kTessFields[i];
-    const std::uint32_t from = field.of(expected);
-    std::int64_t value = field.of(words);
-    bool kept = value == from;
-    io.bit(models.tessKept[i][moved], kept);
-    if (kept)
-      value = from;
+  coded[0] = kind;
+  const std::uint32_t* place0 = alike ? &before[3] : nullptr;
+  const std::uint32_t* place1 = alike ? &before[4] : nullptr;
+  coded[3] = words[3];
+  coded[4] = words[4];
+  if (kind == glsl::kTessL) {
+    std::uint32_t level = glsl::levelOfKind(words[0]) & 255u;
+    if (alike) {
+      std::int64_t value = level;
+      codeNear(io, tess.levelStep, glsl::levelOfKind(before[0]), value);
+      level = static_cast<std::uint32_t>(value) & 255u;
+    } else {
+      io.symbol(tess.level, level);
+    }
+    coded[0] = glsl::kindOfL(level);
+    codeTessSlot(io, tess, stockOfLevel(level), place0, coded[3]);
+    coded[4] = 0;
+  } else if (kind == glsl::kTessOver) {
+    glsl::OverShape shape = glsl::overOfShape({words[0], words[1], words[2]});
+    const glsl::OverShape was = glsl::overOfShape({before[0], before[1], before[2]});
+    bool same = alike && words[1] == before[1] && words[2] == before[2];
+    if (alike) io.bit(tess.sameShape[0], same);
+    if (same)
+      shape = was;
     else
-      codeNear(io, models.tessStep[i][moved], from, value);
-    coded[field.word] |= (static_cast<std::uint32_t>(value) & field.mask()) << field.shift;
+      codeTessShape(io, tess, alike ? &was : nullptr, shape);
+    const glsl::TessShape done = glsl::shapeOfOver(shape);
+    coded[1] = done.size;
+    coded[2] = done.form;
+    coded[3] = shape.columns0 > 0 ? words[3] : 0;
+    coded[4] = shape.columns1 > 0 ? words[4] : 0;
+    if (shape.columns0 > 0)
+      codeTessSlot(io, tess, stockOfBlock(shape.columns0, shape.rows), place0, coded[3]);
+    if (shape.columns1 > 0)
+      codeTessSlot(io, tess, stockOfBlock(shape.columns1, shape.rows), place1, coded[4]);
+  } else {
+    coded[4] = 0;
+    if (kind == glsl::kTessSingle)
+      codeTessSlot(io, tess, stockOfLevel(0), place0, coded[3]);
+    else
+      coded[3] = 0;
+  }
+  bool split = words[5] != 0;
+  io.bit(tess.split, split);
+  coded[5] = 0;
+  if (split) {
+    std::int64_t n = words[5] & 255u;
+    codeNear(io, tess.pieceSize, before[5] & 255u, n);
+    coded[5] = static_cast<std::uint32_t>(n) & 255u;
+    if (piece) {
+      std::int64_t index = words[5] >> 8;
+      codeNear(io, tess.pieceStep, before[5] >> 8, index);
+      coded[5] |= (static_cast<std::uint32_t>(index) & 0xffffffu) << 8;
+    }
   }
   words = models.words = coded;
 }
 
 template <class Io>
-void codePlace(Io& io, Method method, GeometryModels& models,
+void codePlace(Io& io, Method method, GeometryModels& models, bool piece,
                const std::array<std::uint32_t, kMostWords>* own,
                std::array<std::uint32_t, kMostWords>& words) {
   if (method == Method::Rect)
     codeRectPlace(io, models, own, words);
   else
-    codeTessPlace(io, models, own, words);
+    codeTessPlace(io, models, piece, own, words);
 }
 
 /// Steps from `expected`, in the grid of v.level. False where a decoded vertex is out of range.

@@ -1,27 +1,32 @@
 // The geometry message: its layout, and the models that its two ends keep alike.
 //
-// A message is one range-coded string (range_coder.hpp). In order, each name being a model below:
-//   head      counts: objects, fresh elements, moved places, changed vertices, freed elements; base of levels
-//   objects   of each: number (as a step from the one before), 12 doubles, column by column, plain
-//   moved     of each: number (step from the one before), then its place; fields that fresh ones compare with
-//   the last
-//             element are compared with its own
-//   fresh     of each element: same style as the last one, else the style; triangles; mirrored; piece or not.
-//             Of a piece: its parent's number, as a step from the last parent. Of others its corners; a
-//             corner is
-//               new     a vertex that was never sent: object (same as the last one's or not), level, steps
-//               from where it is
-//                       expected, mask coordinates in masked elements
-//               recent  place in a list of the vertices used last
-//               else    its number, as a step from the last one so given
-//             Then its place. Of a patch: its level, same as the last one's or not; its block's x and y in
-//             units of the block, as steps from those of the last block of this level. Of a triangle: fields
-//             of its words, each the same as the last element's or a step from it.
-//   changed   of each vertex: number (step), level, steps from where it was
-//   freed     of each: number (step)
-//   end       kEndMark, plain
-// Numbers of fresh elements, triangles and vertices follow from SlotPool; a vertex is freed with its last
-// element. All of fresh is applied before freed.
+// A message is one range-coded string (range_coder.hpp). In order:
+//   head     counts: objects, fresh elements, moved places, changed vertices, freed and hidden elements
+//   objects  of each: number, 12 doubles, column by column, plain
+//   moved    of each element that has another place, or is shown again: number, place
+//   fresh    of each element: whether it is a piece
+//              of a piece: its triangle's number, as a step from the last one's
+//              else: style (same as the last one's or not), triangles, mirrored, and its corners, each
+//                new     a vertex that was never sent: object (same or not), level, steps from where it is
+//                        expected, and in masked elements mask coordinates
+//                recent  its place in a list of the vertices used last
+//                else    its number, as a step from the last one so given
+//            then its place
+//   changed  of each vertex: number, level, steps from where it was
+//   freed    of each element: number
+//   hidden   of each element: number
+//   end      kEndMark, plain
+// Numbers rise within a part, and are given as steps. A place is
+//   of a patch     its level, same as before or not; its block's x and y in units of the block, as steps
+//                  from those of the last block of this level
+//   of a triangle  kind, level or sizes, each compared with what was before; x, y and turn of each slot, as
+//                  steps from the last slot of its stock
+// where before is the element's own last place, or for a fresh one the last element's.
+//
+// Numbers of fresh elements, triangles and vertices are not sent: both ends take them from a SlotPool, an
+// element's before its triangles' and those before its vertices'. A vertex is freed with its last element.
+// Moved comes before fresh, for a triangle that is split from this frame on is moved; freed is last, so that
+// what fresh elements share stays.
 #pragma once
 
 #include <algorithm>
@@ -31,6 +36,8 @@
 
 #include "codec/wire/geometry.hpp"
 #include "codec/wire/range_coder.hpp"
+#include "glsl/shared/oversample.h"
+#include "glsl/shared/tess_atlas.h"
 
 namespace tessera::wire {
 
@@ -63,32 +70,53 @@ class RecentVertices {
 /// Of a patch's level word: sizes and whether it is transposed. The bits above are the server's own.
 inline constexpr int kRectLevelBits = 9;
 
-/// Bits of a tessellation gatherer's word that change together.
-struct WordField {
-  std::uint32_t word;
-  std::uint32_t shift;
-  std::uint32_t bits;
-  [[nodiscard]] std::uint32_t mask() const { return bits == 32 ? 0xffffffffu : (1u << bits) - 1u; }
-  [[nodiscard]] std::uint32_t of(const std::array<std::uint32_t, kMostWords>& words) const {
-    return (words[word] >> shift) & mask();
-  }
+/// Sizes of blocks by their class: 0, 1, and 1 more than a number of steps of overClass() in
+/// glsl/shared/oversample.h.
+inline constexpr int kSizeClassBits = 7;
+inline std::uint32_t sizeClass(std::uint32_t size) { return size < 2 ? size : 2 + glsl::overClass(size - 1); }
+inline std::uint32_t sizeOfClass(std::uint32_t number) {
+  return number < 2 ? number : 1 + glsl::overClassSteps(number - 2);
+}
+
+/// Triangles that get their slots from one stock: places in it follow each other.
+struct TessStock {
+  std::uint32_t number;   // below kTessStocks
+  std::uint32_t context;  // below kTessStockContexts: of about that size
 };
-/// All bits of an element's words, as TessShape, packPlace and packPiece in glsl/shared have them.
-inline constexpr std::array<WordField, 15> kTessFields = {{{0, 0, 2},
-                                                           {0, 2, 30},
-                                                           {1, 0, 12},
-                                                           {1, 12, 12},
-                                                           {1, 24, 8},
-                                                           {2, 0, 16},
-                                                           {2, 16, 16},
-                                                           {3, 0, 15},
-                                                           {3, 15, 1},
-                                                           {3, 16, 16},
-                                                           {4, 0, 15},
-                                                           {4, 15, 1},
-                                                           {4, 16, 16},
-                                                           {5, 0, 8},
-                                                           {5, 8, 24}}};
+inline constexpr std::uint32_t kTessStocks = 256u + (1u << (2 * kSizeClassBits));
+inline constexpr std::uint32_t kTessStockContexts = 81;
+inline TessStock stockOfLevel(std::uint32_t level) {
+  return {level, level == 0 ? 0 : 1 + std::min(level / 4, 15u)};
+}
+inline TessStock stockOfBlock(std::uint32_t columns, std::uint32_t rows) {
+  const std::uint32_t across = sizeClass(columns);
+  return {256 + (across << kSizeClassBits | sizeClass(rows)), 17 + across / 2};
+}
+
+/// Of triangles' places. Each pair is of fresh ones and of those that had a place.
+struct TessModels {
+  std::array<std::array<SymbolModel<2>, 4>, 2> kind;  // by the kind before
+  SymbolModel<8> level;
+  SignedModel levelStep;
+  std::array<BitModel, 2> sameShape;
+  struct Size {
+    BitModel regular;
+    std::array<SymbolModel<kSizeClassBits>, 32> number;  // by a size that is known
+    SignedModel step;
+  };
+  std::array<Size, 3> sizes;  // columns of half 0, of half 1, rows
+  SymbolModel<2> apex;
+  BitModel sameApex;
+  std::array<SignedModel, 2> foot;
+  BitModel split;
+  SignedModel pieceSize;
+  SignedModel pieceStep;
+  std::array<BitModel, 2> keptPlace;
+  std::array<BitModel, 2> turned;  // by that of the last
+  std::array<std::array<std::array<SignedModel, 2>, kTessStockContexts>, 2>
+      step;  // by axis, stock, turned as the last
+  std::vector<std::uint32_t> place = std::vector<std::uint32_t>(kTessStocks, 0);  // the last of each stock
+};
 
 /// Everything that both ends remember from message to message.
 struct GeometryModels {
@@ -118,9 +146,8 @@ struct GeometryModels {
   std::array<std::array<std::array<SignedModel, 16>, 2>, 2>
       rectStep;  // by fresh or moved, axis, size of the block
   std::array<std::uint32_t, std::size_t{1} << kRectLevelBits>
-      rectOrigin{};                                  // of the last block of each level
-  std::array<std::array<BitModel, 2>, 15> tessKept;  // fresh, moved
-  std::array<std::array<SignedModel, 2>, 15> tessStep;
+      rectOrigin{};  // of the last block of each level
+  TessModels tess;
 
   NumberModel movedGap;
   NumberModel changedGap;

@@ -202,6 +202,24 @@ std::size_t mostBytes(Kind kind) {
   return entry != nullptr ? entry->most : 0;
 }
 
+bool sends(Role role, Kind kind) {
+  switch (kind) {
+    case Kind::Hello:
+    case Kind::Refusal:
+      return true;
+    case Kind::Setup:
+    case Kind::Frame:
+    case Kind::Geometry:
+    case Kind::Mask:
+      return role == Role::Server;
+    case Kind::Acknowledge:
+    case Kind::Pose:
+    case Kind::AskIFrame:
+      return role == Role::Viewer;
+  }
+  return false;
+}
+
 Kind kindOf(const Message& message) { return kKinds[message.index()].kind; }
 
 Result<std::vector<std::uint8_t>> encode(const Message& message) {

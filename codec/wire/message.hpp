@@ -56,6 +56,8 @@ bool known(Kind kind);
 std::size_t mostBytes(Kind kind);
 
 enum class Role : std::uint8_t { Server = 1, Viewer = 2 };
+/// Whether a side of this role may send messages of this kind at all.
+bool sends(Role role, Kind kind);
 /// Protocol versions that a side speaks, both included.
 struct Versions {
   std::uint16_t oldest = 1;

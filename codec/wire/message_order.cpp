@@ -17,16 +17,14 @@ Result<void> MessageOrder::accept(const Message& message) {
     return {};
   }
   if (!greeted_) return fail("{}: before a hello", nameOf(kind));
-  const bool fromServer =
-      kind == Kind::Setup || kind == Kind::Frame || kind == Kind::Geometry || kind == Kind::Mask;
-  if (fromServer != (peer_ == Role::Server))
-    return fail("{}: from a {}", nameOf(kind), fromServer ? "viewer" : "server");
+  if (!sends(peer_, kind))
+    return fail("{}: from a {}", nameOf(kind), peer_ == Role::Server ? "server" : "viewer");
   if (kind == Kind::Setup) {
     if (setUp_) return fail("setup: a second one");
     setUp_ = true;
     return {};
   }
-  if (fromServer && !setUp_) return fail("{}: before the setup", nameOf(kind));
+  if (peer_ == Role::Server && !setUp_) return fail("{}: before the setup", nameOf(kind));
   if (const FrameHeader* frame = std::get_if<FrameHeader>(&message)) {
     if (!geometryDone_) return fail("frame {}: frame {} had no geometry", frame->frame, frame_);
     if (frame->frame <= frame_) return fail("frame {}: after frame {}", frame->frame, frame_);

@@ -15,12 +15,19 @@ struct Live {
   std::uint32_t slot;
 };
 
+// Without what the viewer has no use for: a server's own bits, what an earlier shape has left.
 std::array<std::uint32_t, kMostWords> sentWords(Method method, const VisibleElement& element) {
-  std::array<std::uint32_t, kMostWords> words = element.words;
-  if (method != Method::Rect) return words;
-  words[1] &= (1u << kRectLevelBits) - 1u;
-  for (std::size_t i = 2; i < kMostWords; ++i) words[i] = 0;
-  return words;
+  const auto& words = element.words;
+  if (method == Method::Rect) return {words[0], words[1] & ((1u << kRectLevelBits) - 1u)};
+  const std::uint32_t kind = glsl::kindOf(words[0]);
+  if (kind == glsl::kTessNone) return {words[0] & glsl::kTessKind, 0, 0, 0, 0, words[5]};
+  if (kind == glsl::kTessSingle) return {words[0] & glsl::kTessKind, 0, 0, words[3], 0, words[5]};
+  if (kind == glsl::kTessL) return {words[0], 0, 0, words[3], 0, words[5]};
+  const glsl::OverShape over = glsl::overOfShape({words[0], words[1], words[2]});
+  const glsl::TessShape shape = glsl::shapeOfOver(over);
+  return {
+      shape.kind, shape.size, shape.form, over.columns0 > 0 ? words[3] : 0, over.columns1 > 0 ? words[4] : 0,
+      words[5]};
 }
 
 glm::ivec2 maskSteps(const glm::vec2& at) {
@@ -74,6 +81,16 @@ struct VisibleDelta::State {
     }
   }
 
+  // Of a triangle's corners; above all levels where one was not sent.
+  int coarsestSent(const SourceElement& element, const std::array<std::size_t, 3>& corners) const {
+    int coarsest = kFinestLevel;
+    for (const std::size_t corner : corners) {
+      const std::uint32_t slot = vertexSlot[element.vertex[corner]];
+      coarsest = std::max(coarsest, slot == kNone ? kCoarsestLevel + 1 : stream.vertices[slot].level);
+    }
+    return coarsest;
+  }
+
   // What the bound asks of the vertices of every visible triangle: a point of a triangle may be nearer than
   // its corners, and moves as they do.
   void findLevels(const VisibleFrame& visible, std::span<const VisibleElement> elements) {
@@ -91,10 +108,17 @@ struct VisibleDelta::State {
         largest = std::max(largest, stretch[vertex.object]);
       }
       for (std::size_t part = 0; part < element->triangles; ++part) {
-        const double distance = distanceToTriangle(corners[0], corners[part + 1], corners[part + 2]);
-        const int level = visible.bound.level(distance, largest);
-        for (const std::size_t corner : {std::size_t{0}, part + 1, part + 2})
-          want(element->vertex[corner], level);
+        const std::array<std::size_t, 3> of = {0, part + 1, part + 2};
+        const glm::dvec3& a = corners[of[0]];
+        const glm::dvec3& b = corners[of[1]];
+        const glm::dvec3& c = corners[of[2]];
+        // No point of it is nearer than this. Where that is far enough for what was sent, nothing follows
+        // from the exact distance.
+        const double spread = std::sqrt(std::max(glm::dot(b - a, b - a), glm::dot(c - a, c - a)));
+        int level = visible.bound.level(glm::length(a) - spread, largest);
+        if (level < coarsestSent(*element, of))
+          level = visible.bound.level(distanceToTriangle(a, b, c), largest);
+        for (const std::size_t corner : of) want(element->vertex[corner], level);
       }
     }
   }
@@ -191,7 +215,7 @@ struct VisibleDelta::State {
     const double placed = io.coder.cost();
     statistics.triangleBits += placed - before;
     element.words = sentWords(source.method, shown);
-    codePlace(io, source.method, models, nullptr, element.words);
+    codePlace(io, source.method, models, piece, nullptr, element.words);
     statistics.placeBits += io.coder.cost() - placed;
     stream.elements[slot] = element;
     return slot;
@@ -347,7 +371,8 @@ std::vector<std::uint8_t> VisibleDelta::next(const VisibleFrame& visible) {
   for (auto& [slot, words] : moved) {
     codeRising(io, models.movedGap, last, slot);
     last = slot;
-    codePlace(io, s.source.method, models, &s.stream.elements[slot].words, words);
+    codePlace(io, s.source.method, models, s.stream.elements[slot].parent != kNone,
+              &s.stream.elements[slot].words, words);
     s.stream.elements[slot].words = words;
     s.stream.elements[slot].hidden = false;
   }

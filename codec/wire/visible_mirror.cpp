@@ -114,12 +114,10 @@ struct VisibleMirror::State {
     if (kind == glsl::kTessL && glsl::levelOfKind(words[0]) > glsl::kLargestLevel)
       return fail("geometry: element {}: level {} of an L is past {}", slot, glsl::levelOfKind(words[0]),
                   glsl::kLargestLevel);
-    const std::size_t places = kind == glsl::kTessOver ? 2 : 1;
-    for (std::size_t i = 0; i < places; ++i) {
-      const std::uint32_t place = words[3 + i];
-      // A half that is not there has no place.
-      if (place == glsl::kNoPlace) continue;
-      if (auto good = inside(glsl::placeX(place), glsl::placeY(place), 1, 1); !good) return good;
+    for (const std::size_t word : {std::size_t{3}, std::size_t{4}}) {
+      // What its kind does not have is 0, and a half that is not there may say so.
+      if (words[word] == glsl::kNoPlace) continue;
+      if (auto good = inside(glsl::placeX(words[word]), glsl::placeY(words[word]), 1, 1); !good) return good;
     }
     return {};
   }
@@ -267,7 +265,7 @@ struct VisibleMirror::State {
       for (std::size_t i = 0; i < element.corners(); ++i)
         if (auto good = decodeCorner(io, element, slot, i, history); !good) return good;
     }
-    codePlace(io, method, models, nullptr, element.words);
+    codePlace(io, method, models, piece, nullptr, element.words);
     if (auto good = enough(io); !good) return good;
     stream.elements[slot] = element;
     if (auto good = writeElement(slot, element); !good) return good;
@@ -298,7 +296,7 @@ struct VisibleMirror::State {
       StreamedElementState& element = stream.elements[*slot];
       if (element.parent != kNone) leavePiece(*slot, element);
       const auto own = element.words;
-      codePlace(io, method, stream.models, &own, element.words);
+      codePlace(io, method, stream.models, element.parent != kNone, &own, element.words);
       if (auto good = writeElement(*slot, element); !good) return good;
       if (element.hidden) writeTriangles(*slot, element);
       element.hidden = false;

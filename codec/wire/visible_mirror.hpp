@@ -35,9 +35,9 @@ class VisibleMirror {
   VisibleMirror(VisibleMirror&&) noexcept;
   VisibleMirror& operator=(VisibleMirror&&) noexcept;
 
-  /// Applies one geometry message, whole. Any bytes may be given: whatever is not a message that VisibleDelta
-  /// could have written next is an error that names what and which. After an error the stream is lost;
-  /// further calls fail, and the arrays stay safe to draw.
+  /// Applies one geometry message, whole. Any bytes may be given: what is not a message, or names what is not
+  /// there, is an error that says what and which. After an error the stream is lost; further calls fail, and
+  /// the arrays stay safe to draw.
   Result<DirtyRanges> apply(std::span<const std::uint8_t> message);
 
   [[nodiscard]] Method method() const;

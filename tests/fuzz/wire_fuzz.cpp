@@ -38,8 +38,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::uint8_t choice = data[0];
   const std::span<const std::uint8_t> stream(data + 1, size - 1);
   const Method method = (choice & 1) != 0 ? Method::Tess : Method::Rect;
-  MessageParser parser;
-  MessageOrder order((choice & 2) != 0 ? Role::Viewer : Role::Server);
+  const Role peer = (choice & 2) != 0 ? Role::Viewer : Role::Server;
+  // Without the role, geometry is reached by whatever the fuzzer makes of a stream.
+  MessageParser parser = (choice & 8) != 0 ? MessageParser(peer) : MessageParser();
+  MessageOrder order(peer);
   VisibleMirror mirror(method, {4096, 2304});
   const std::size_t piece = (choice & 4) != 0 ? 7 : 4096;
   for (std::size_t at = 0; at < stream.size(); at += piece) {

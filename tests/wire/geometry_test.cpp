@@ -95,18 +95,32 @@ class NaiveViewer {
                                     corners_[e.vertex[part + 2]]};
         if (e.mirrored) std::swap(at[1], at[2]);
         auto words = shown.words;
-        if (source.method == Method::Rect) words[1] &= 511u;
+        words = sent(source.method, words);
         scene_.drawn.emplace(at, part | (e.triangles == 3 ? 4u : 0u) | (e.mirrored ? 8u : 0u), words,
                              e.style);
         triangles[shown.id] = at;
       }
     }
     for (const VisibleElement& shown : frame.elements)
-      if (shown.parent != kNone) scene_.pieces.emplace(triangles[shown.parent], shown.words);
+      if (shown.parent != kNone)
+        scene_.pieces.emplace(triangles[shown.parent], sent(source.method, shown.words));
   }
   [[nodiscard]] const Scene& scene() const { return scene_; }
 
  private:
+  // A patch's level without the server's bits; of a triangle what its kind has.
+  static std::array<std::uint32_t, kMostWords> sent(Method method,
+                                                    std::array<std::uint32_t, kMostWords> words) {
+    if (method == Method::Rect) {
+      words[1] &= 511u;
+      return words;
+    }
+    const bool over = (words[0] & 3u) == glsl::kTessOver;
+    if (!over) words[1] = words[2] = words[4] = 0;
+    if (over && (words[1] & 4095u) == 0) words[3] = 0;
+    if (over && ((words[1] >> 12) & 4095u) == 0) words[4] = 0;
+    return words;
+  }
   int headroom_;
   std::uint32_t keepFrames_;
   std::uint32_t frame_ = 0;
@@ -352,6 +366,32 @@ TEST_P(GeometryStream, CorruptMessagesAreErrorsOrSafeToDraw) {
   }
   // Some changes are in the plain bits of positions, which any value fits.
   EXPECT_GT(refused, kRuns * 3 / 4);
+}
+
+TEST(GeometryMirror, MaskedElementsHaveMaskCoordinates) {
+  GeometrySource source;
+  for (int i = 0; i < 6; ++i)
+    source.vertices.push_back(
+        {{i, i % 2, -4}, 0, {0.1f * static_cast<float>(i), -2.5f * static_cast<float>(i)}});
+  source.elements.push_back({{0, 1, 2}, 1, false, glsl::kStyleMasked | 7u << 16u});
+  source.elements.push_back({{3, 4, 5}, 1, false, 0});
+  const std::vector<VisibleElement> visible = {{0, {0u, 0u}, kNone}, {1, {1u, 0u}, kNone}};
+  const std::vector<ObjectTransform> objects(1);
+  VisibleDelta delta(source);
+  VisibleMirror mirror(Method::Rect, kAtlas);
+  ASSERT_TRUE(mirror.apply(delta.next({visible, objects, {}, {}, {}})));
+  int masked = 0;
+  for (const glsl::StreamedTriangle& t : mirror.triangles()) {
+    const bool mask = (mirror.patches()[glsl::ownerElement(t.owner)].style & glsl::kStyleMasked) != 0;
+    for (const std::uint32_t vertex : {t.v0, t.v1, t.v2}) {
+      const glm::vec2 expected =
+          mask ? source.vertices[static_cast<std::size_t>(std::lround(mirror.vertices()[vertex].x))].mask
+               : glm::vec2(0.0f);
+      EXPECT_LE(glm::length(mirror.maskCoordinates()[vertex] - expected), 0.75f / kMaskGrid);
+    }
+    masked += mask ? 1 : 0;
+  }
+  EXPECT_EQ(masked, 1);
 }
 
 TEST(GeometryMirror, SaysWhatIsWrong) {

@@ -154,6 +154,18 @@ TEST(Framing, RefusesByTheHeaderAlone) {
             "ask for an I-frame: 7 as a byte of its header that is to be zero");
 }
 
+TEST(Framing, HoldsNothingThatAPeerMayNotSend) {
+  // 64 MiB of geometry are about to come: from a viewer, and from a server before its hello.
+  const std::vector<std::uint8_t> header = {0, 0, 0, 4, 5, 0, 0, 0};
+  MessageParser fromViewer(Role::Viewer);
+  EXPECT_EQ(errorOf(fromViewer, header), "geometry: from a viewer");
+  MessageParser fromServer(Role::Server);
+  EXPECT_EQ(errorOf(fromServer, header), "geometry: before a hello");
+  MessageParser greeted(Role::Server);
+  EXPECT_EQ(errorOf(greeted, *encode(Hello{{1, 1}, Role::Server, ""})), "");
+  EXPECT_EQ(errorOf(greeted, header), "");
+}
+
 TEST(Framing, StaysLostAndSaysWhy) {
   MessageParser parser;
   const std::vector<std::uint8_t> bad = {0, 0, 0, 0, 99, 0, 0, 0};

@@ -61,7 +61,7 @@ struct RandomWorld {
     bound.reach = 0.1;
   }
 
-  std::array<std::uint32_t, kMostWords> somePlace(bool piece) {
+  std::array<std::uint32_t, kMostWords> somePlace() {
     std::array<std::uint32_t, kMostWords> words{};
     if (source.method == Method::Rect) {
       const std::uint32_t w = below(7);
@@ -82,12 +82,11 @@ struct RandomWorld {
         break;
       default: {
         const glsl::TessShape shape =
-            glsl::shapeOfOver({below(60), below(60), below(60), below(40), below(3)});
+            glsl::shapeOfOver({below(3), below(60), below(4) * below(60), below(40), below(65536)});
         words = {shape.kind, shape.size, shape.form, 0, place(), 0};
       }
     }
     words[3] = place();
-    if (piece) return words;
     return words;
   }
 
@@ -120,14 +119,14 @@ struct RandomWorld {
       }
       if (chance(move)) {
         const std::uint32_t kept = at->second.words[5];
-        at->second.words = somePlace(at->second.parent != kNone);
+        at->second.words = somePlace();
         if (source.method == Method::Tess) at->second.words[5] = kept;
       }
       ++at;
     }
     for (std::uint32_t id = 0; id < source.elements.size(); ++id)
       if (source.elements[id].triangles > 0 && !visible.contains(id) && chance(come))
-        visible[id] = {id, somePlace(false), kNone};
+        visible[id] = {id, somePlace(), kNone};
     if (source.method == Method::Tess) stepPieces();
   }
 
@@ -158,7 +157,7 @@ struct RandomWorld {
       visible[owner].words[5] = n;
       for (std::uint32_t i = 0; i < n * n; ++i) {
         if (!chance(0.4)) continue;
-        VisibleElement piece{first + block * glsl::kSplitBlock + i, somePlace(true), owner};
+        VisibleElement piece{first + block * glsl::kSplitBlock + i, somePlace(), owner};
         piece.words[5] = glsl::packPiece(n, i);
         visible[piece.id] = piece;
       }

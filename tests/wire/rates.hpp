@@ -35,7 +35,8 @@ struct Rates {
 };
 
 /// Encodes, applies to a mirror, and compares every vertex with the source by projection in double.
-Rates ratesOf(const Recording& recording);
+/// `keepFrames`: see wire::DeltaOptions.
+Rates ratesOf(const Recording& recording, std::uint32_t keepFrames);
 std::string table(const Rates& rates);
 
 }  // namespace tessera::test

@@ -3,7 +3,7 @@
 #   ./run.sh demo              build, compare the methods on the project's own scene, print where the report is
 #   ./run.sh test [ARGS]       build, run every test (ARGS go to ctest)
 #   ./run.sh test --sanitize   the CPU tests and the hard cases under AddressSanitizer and UBSan, in a build of their own
-#   ./run.sh fuzz --seconds N  scenes, JSON, video and messages under a fuzzer (installs clang), N seconds each
+#   ./run.sh fuzz --seconds N  scenes, JSON, video, messages, RTP and handshakes under a fuzzer (installs clang), N seconds each
 #   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
 #   ./run.sh build             set up and build
 #   ./run.sh tessera ARGS...   run the program
@@ -21,6 +21,7 @@ packages=(
   libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
   libglfw3-dev libgtest-dev libzstd-dev libmeshoptimizer-dev glslang-tools
   libavcodec-dev libavformat-dev libavutil-dev libasio-dev libssl-dev libsrtp2-dev
+  libimgui-dev xvfb xauth
 )
 
 step=""
@@ -108,7 +109,7 @@ case "$command" in
     install_packages "${packages[@]}" clang
     build=build/fuzz
     preset=fuzz
-    targets=(fuzz_scene fuzz_json fuzz_video fuzz_wire)
+    targets=(fuzz_scene fuzz_json fuzz_video fuzz_wire fuzz_rtp fuzz_handshake)
     build_all
     for target in "${targets[@]}"; do
       say "$target for $seconds s"

@@ -86,8 +86,8 @@ class Client::State {
   std::uint64_t helloNumber = 0;
   Bytes datagram;
   std::chrono::milliseconds backoff;
-  std::uint64_t connection = 0;  // counts them
-  bool final = false;            // trying again cannot help
+  std::uint64_t connections = 0;  // that were made
+  bool final = false;             // trying again cannot help
   bool joined = false;
   bool stopping = false;
 
@@ -263,7 +263,7 @@ void Client::State::join(const Ready& ready) {
   if (error) return channel->close(fmt::format("no UDP to the server: {}", error.message()));
   video.emplace(ready.source, options.receive);
   helloNumber = 0;
-  ++connection;
+  ++connections;
   joined = true;
   backoff = options.firstBackoff;
   {
@@ -318,8 +318,8 @@ void Client::State::sayHello() {
 }
 
 void Client::State::receiveVideo() {
-  socket.async_wait(udp::socket::wait_read, [this, of = connection](asio::error_code error) {
-    if (!joined || of != connection || error == asio::error::operation_aborted) return;
+  socket.async_wait(udp::socket::wait_read, [this, of = connections](asio::error_code error) {
+    if (!joined || of != connections || error == asio::error::operation_aborted) return;
     // As many as there are, but not for ever: other work waits.
     for (int i = 0; i < 512; ++i) {
       const std::size_t size = socket.receive(asio::buffer(datagram), 0, error);

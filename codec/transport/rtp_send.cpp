@@ -48,6 +48,14 @@ struct RtpPacketiser::State {
   std::unique_ptr<AVPacket, FreePacket> packet;
   std::vector<Datagram> made;
   std::int64_t sent = 0;  // access units
+  bool begun = false;     // the header is written, and the muxer holds what only its trailer frees
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (begun) av_write_trailer(format.get());
+  }
 
   /// The muxer flushes its buffer after each packet, so one call is one packet.
   static int take(void* opaque, std::uint8_t* bytes, int size) {
@@ -93,6 +101,8 @@ Result<RtpPacketiser> RtpPacketiser::make(const RtpStream& stream) {
   if (video == nullptr) return fail("RTP muxer: out of memory");
   video->codecpar->codec_type = AVMEDIA_TYPE_VIDEO;
   video->codecpar->codec_id = AV_CODEC_ID_H264;
+  // Asked for, and of no use to RTP.
+  video->codecpar->width = video->codecpar->height = 16;
   video->time_base = {1, static_cast<int>(kRtpClock)};
 
   AVDictionary* options = nullptr;
@@ -104,6 +114,7 @@ Result<RtpPacketiser> RtpPacketiser::make(const RtpStream& stream) {
   const int error = avformat_write_header(context, &options);
   av_dict_free(&options);
   if (error < 0) return fail("RTP muxer: {}", text(error));
+  state->begun = true;
   state->made.clear();
   state->packet.reset(av_packet_alloc());
   if (state->packet == nullptr) return fail("RTP muxer: out of memory");

@@ -29,9 +29,9 @@ struct PvsOptions {
   Prediction prediction = Prediction::Linear;
   double latency = 1.0 / 30.0;  // seconds from the present to the last view, [0, 10]
   int steps = 4;                // views after the present one, evenly apart, [1, 64]
-  /// Radians by which each view sees further to each of its four sides, [0, pi/4]. 2 degrees, measured default: covers
-  /// what linear prediction errs in 33 ms under a head that turns by 30 degrees to and fro once a second (1
-  /// degree), for 5 % of needless pixels.
+  /// Radians by which each view sees further to each of its four sides, [0, pi/4]. 2 degrees, measured
+  /// default: covers what linear prediction errs in 33 ms under a head that turns by 30 degrees to and fro
+  /// once a second (1 degree), for 5 % of needless pixels.
   double margin = 2.0 * 0.017453292519943295;
 };
 

@@ -35,6 +35,8 @@ TEST_F(PvsCli, MeasuresEveryWayToPredict) {
   for (const Json& way : scene["runs"]) {
     SCOPED_TRACE(way["name"]);
     EXPECT_EQ(way["series"]["coverage"].size(), 3u);
+    // Ten seconds, three times as fast, but for the four views that are shown after the last set.
+    EXPECT_NEAR(way["series"]["time_s"][2].get<double>(), 10.0 / 3.0 - 4.0 / 120.0, 1e-2);
     EXPECT_GT(way["ms"]["median"], 0.0);
     EXPECT_GT(way["elements"], 100.0);
     EXPECT_EQ(way["views"], 1 + way["steps"].get<int>());

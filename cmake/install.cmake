@@ -4,8 +4,16 @@
 include(CMakePackageConfigHelpers)
 
 # What only the rooms themselves include stays out: engine_state.hpp, the loader's parts behind gltf.hpp, and what
-# tessera_atlas_bench holds; of codec/wire, how the two ends of a stream code it.
-install(DIRECTORY engine atlas codec DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
+# tessera_atlas_bench holds; of codec, how the two ends of a stream code it.
+set(rooms engine atlas)
+if(TARGET tessera_codec)
+  list(APPEND rooms codec)
+else()
+  install(DIRECTORY codec/wire DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera/codec FILES_MATCHING PATTERN "*.hpp"
+          PATTERN "geometry_*.hpp" EXCLUDE PATTERN "range_coder.hpp" EXCLUDE PATTERN "stream_state.hpp" EXCLUDE
+          PATTERN "slots.hpp" EXCLUDE PATTERN "bytes.hpp" EXCLUDE)
+endif()
+install(DIRECTORY ${rooms} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/tessera FILES_MATCHING PATTERN "*.hpp"
         PATTERN "engine_state.hpp" EXCLUDE PATTERN "gltf_*.hpp" EXCLUDE
         PATTERN "request_stream.hpp" EXCLUDE PATTERN "place_tracker.hpp" EXCLUDE
         PATTERN "quadtree*.hpp" EXCLUDE

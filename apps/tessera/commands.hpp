@@ -22,5 +22,6 @@ Run addAccuracy(CLI::App& app);
 Run addPvs(CLI::App& app);
 /// Only where video coding is built.
 Run addVideoBench(CLI::App& app);
+Run addServe(CLI::App& app);
 
 }  // namespace tessera::app

@@ -27,6 +27,7 @@ int run(int argc, char** argv) {
       {"pvs", tessera::app::addPvs(app)},
 #ifdef TESSERA_HAS_CODEC
       {"video-bench", tessera::app::addVideoBench(app)},
+      {"serve", tessera::app::addServe(app)},
 #endif
   };
   try {

@@ -1,5 +1,6 @@
 // The thread that talks with the server: messages in and out, and what the transport reports.
 #include <algorithm>
+#include <cmath>
 
 #include "codec/wire/handshake.hpp"
 #include "engine/view/session_state.hpp"
@@ -10,8 +11,10 @@ namespace {
 
 constexpr std::size_t kRememberedPoses = 512;
 
+// What comes back has been through other forms of the same view.
 bool sameView(const wire::Camera& a, const wire::Camera& b) {
-  return a.eye == b.eye && a.orientation == b.orientation;
+  constexpr double kSame = 1e-9;
+  return glm::distance(a.eye, b.eye) < kSame && 1.0 - std::abs(glm::dot(a.orientation, b.orientation)) < kSame;
 }
 
 }  // namespace
@@ -74,7 +77,8 @@ void Session::State::handle(transport::ClientEvent& event) {
     connectedAt = Clock::now();
     lastAsk = {};
     outbox.clear();
-    outbox.emplace_back(wire::Hello{wire::kSpoken, wire::Role::Viewer, options.client.token});
+    // The transport has shown its knowledge of the token.
+    outbox.emplace_back(wire::Hello{wire::kSpoken, wire::Role::Viewer, ""});
   } else if (auto* gone = std::get_if<transport::Disconnected>(&event)) {
     const std::lock_guard lock(mutex);
     if (connected) figures.connectedSeconds += std::chrono::duration<double>(Clock::now() - connectedAt).count();

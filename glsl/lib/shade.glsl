@@ -160,12 +160,16 @@ vec4 baseColorOf(Surface s) {
   return base;
 }
 
+// A NaN that slips through every guard must not reach the atlas, where it would live for many frames. Before the tone
+// curve, whose comparisons may take it for white.
+vec3 withoutNan(vec3 color) { return any(isnan(color)) ? vec3(0.0) : color; }
+
 // `base` is baseColorOf(s): whoever tests its alpha has it already.
 vec4 shadeSurface(Surface s, vec4 base) {
   vec4 result;
 #ifdef UNLIT
   // KHR_materials_unlit: the colour as it is, neither exposed nor tone-mapped.
-  result.rgb = clamp(base.rgb, 0.0, 1.0);
+  result.rgb = clamp(withoutNan(base.rgb), 0.0, 1.0);
 #else
 #ifdef DOUBLE_SIDED
   float side = s.side;
@@ -237,11 +241,9 @@ vec4 shadeSurface(Surface s, vec4 base) {
 #endif
   color += emissive;
 
-  color *= frame.ambientSky.w;
+  color = withoutNan(color * frame.ambientSky.w);
   result.rgb = vec3(toneCurve(color.r), toneCurve(color.g), toneCurve(color.b));
 #endif  // UNLIT
-  // A NaN that slips through every guard above must not reach the atlas, where it would live for many frames.
-  if (any(isnan(result.rgb))) result.rgb = vec3(0.0);
 #ifdef BLEND
   result.a = clamp(base.a, 0.0, 1.0);
 #else

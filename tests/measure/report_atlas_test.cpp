@@ -17,6 +17,7 @@ Report atlasReport() {
   scene.height = 50;
   scene.atlasReference = "rect";
   const auto display = [](double ms) { return summarize(std::vector<double>{ms}); };
+  scene.methods.reserve(3);  // the references below outlive what comes after them
   ReportMethod& forward = scene.methods.emplace_back();
   forward.name = "forward";
   forward.mssim = 1.0;

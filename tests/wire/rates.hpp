@@ -2,10 +2,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "tests/wire/engine_feed.hpp"
+#include "engine/stream/feed.hpp"
 
 namespace tessera::test {
+
+/// A camera path of an engine, as a stream sees it.
+struct Recording {
+  struct Frame {
+    std::vector<wire::VisibleElement> elements;
+    std::vector<wire::ObjectTransform> objects;
+    wire::Camera camera;
+  };
+  wire::GeometrySource source;
+  std::vector<Frame> frames;
+};
 
 /// Bytes of one kind of content: as plain arrays, sent, and by the other codecs (see other_codecs.hpp).
 struct Rate {

@@ -40,7 +40,7 @@ test::Recording record(const fs::path& file, const fs::path& stageFile, Gatherer
     return recording;
   }
   (*engine)->update(0.0);
-  const test::EngineFeed feed(**engine);
+  const GeometryFeed feed(**engine);
   recording.source = feed.source();
   for (int i = 0; i < frames; ++i) {
     const double time = path.keys.front().time + 1.0 + i / 30.0;
@@ -48,7 +48,7 @@ test::Recording record(const fs::path& file, const fs::path& stageFile, Gatherer
     const View view = viewOf(sampleCamera(path, time), 1280, 720, zNear);
     (*engine)->findVisible({&view, 1});
     if (auto placed = (*engine)->place({&view, 1}); !placed) ADD_FAILURE() << placed.error().message;
-    recording.frames.push_back({feed.visible(**engine), feed.objects(**engine), test::cameraOf(view)});
+    recording.frames.push_back({feed.visible(**engine), feed.objects(**engine), cameraOf(view)});
   }
   return recording;
 }

@@ -7,6 +7,7 @@
 
 #include "apps/tessera/commands.hpp"
 #include "apps/tessera/context_json.hpp"
+#include "apps/tessera/measured_scene.hpp"
 #include "apps/tessera/stability/case.hpp"
 
 namespace tessera::app {
@@ -18,6 +19,7 @@ using stability::Sense;
 
 struct StabilityOptions {
   ContextChoice context;
+  std::vector<std::string> scenes;
   std::vector<std::string> only;
   bool json = false;
   bool list = false;
@@ -47,8 +49,32 @@ std::string lineOf(const Case& entry, double worst, bool passed, const std::stri
                      entry.bound, entry.why);
 }
 
+/// Frames along the path that a scene's stage has, and one from outside.
+Result<double> badInScene(stability::Bench& bench, const std::string& file) {
+  constexpr int kFrames = 4;
+  CameraChoice camera;
+  camera.pathUnlessChosen = "tour";
+  camera.frames = kFrames;
+  auto scene =
+      loadMeasured(file, {}, camera, {stability::kWidth, stability::kHeight}, [](const std::string&) {});
+  if (!scene) return tl::unexpected(scene.error());
+  std::vector<View> views = {autoView(scene->scene, stability::kWidth, stability::kHeight)};
+  for (const TimedView& timed : scene->views) views.push_back(timed.view);
+  return badPixels(bench, std::move(scene->scene), std::move(scene->stage), views, stability::Pixels::Any);
+}
+
+stability::Cases casesOf(const std::vector<std::string>& scenes) {
+  stability::Cases cases;
+  for (const std::string& file : scenes)
+    cases.push_back({"scene/" + std::filesystem::path(file).filename().string(),
+                     "all methods from outside and along the scene's path",
+                     "texels not finite or pixels without texels", 0.0, Sense::AtMost,
+                     [file](stability::Bench& bench) { return badInScene(bench, file); }});
+  return cases;
+}
+
 Result<Exit> stability(const StabilityOptions& options) {
-  stability::Cases cases = allCases();
+  stability::Cases cases = options.scenes.empty() ? allCases() : casesOf(options.scenes);
   std::erase_if(cases, [&](const Case& entry) { return !chosen(entry, options.only); });
   if (cases.empty()) return fail("no case has a name with '{}'", options.only.front());
   if (options.list) {
@@ -101,6 +127,8 @@ Run addStability(CLI::App& app, Exit& ending) {
   auto options = std::make_shared<StabilityOptions>();
   CLI::App& command = *app.add_subcommand(
       "stability", "Run the hard cases: inputs that break renderers, each with a bound that must hold");
+  command.add_option("scenes", options->scenes,
+                     "glTF 2.0 files: in place of the library, whether all that is shaded of them is finite");
   command.add_flag("--json", options->json, "as JSON");
   command.add_flag("--list", options->list, "only name the cases");
   command.add_flag("--long", options->full, "also what takes minutes: 10,000 frames of a slow camera");

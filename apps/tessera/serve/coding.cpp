@@ -1,0 +1,44 @@
+#include "apps/tessera/serve/coding.hpp"
+
+namespace tessera::app {
+
+CodingThread::CodingThread(VideoEncoder encoder) : encoder_(std::move(encoder)), thread_([this] { run(); }) {}
+
+CodingThread::~CodingThread() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void CodingThread::push(YuvImage planes, std::uint32_t frame, bool iFrame) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return !next_; });
+  next_ = Job{std::move(planes), frame, iFrame};
+  changed_.notify_all();
+}
+
+std::vector<Result<EncodedFrame>> CodingThread::take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(done_, {});
+}
+
+void CodingThread::run() {
+  while (true) {
+    std::optional<Job> job;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return next_ || ends_; });
+      if (!next_) return;
+      job.swap(next_);
+    }
+    changed_.notify_all();
+    auto coded = encoder_.encode(job->planes.view(), job->frame, {.iFrame = job->iFrame});
+    const std::lock_guard lock(mutex_);
+    done_.push_back(std::move(coded));
+  }
+}
+
+}  // namespace tessera::app

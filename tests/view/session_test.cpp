@@ -52,14 +52,9 @@ struct Greeter {
   int poses = 0;
   void poll() {
     for (const transport::ServerEvent& event : server->poll()) {
-      if (std::holds_alternative<transport::ViewerMessage>(event)) {
-        wire::MessageParser parser(wire::Role::Viewer);
-        (void)parser;
-        poses += std::get<transport::ViewerMessage>(event).bytes.at(4) ==
-                         static_cast<std::uint8_t>(wire::Kind::Pose)
-                     ? 1
-                     : 0;
-      }
+      // The kind follows the length.
+      if (const auto* said = std::get_if<transport::ViewerMessage>(&event))
+        poses += said->bytes.at(4) == static_cast<std::uint8_t>(wire::Kind::Pose) ? 1 : 0;
       const auto* one = std::get_if<transport::ViewerJoined>(&event);
       if (one == nullptr) continue;
       ++joined;

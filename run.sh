@@ -21,6 +21,7 @@ packages=(
   libglm-dev libtinygltf-dev libstb-dev libcli11-dev libfmt-dev nlohmann-json3-dev libexpected-dev libjs-chart.js
   libglfw3-dev libgtest-dev libzstd-dev libmeshoptimizer-dev glslang-tools
   libavcodec-dev libavformat-dev libavutil-dev libasio-dev libssl-dev libsrtp2-dev
+  libimgui-dev xvfb xauth
 )
 
 step=""

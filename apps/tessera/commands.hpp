@@ -23,5 +23,6 @@ Run addPvs(CLI::App& app);
 /// Only where video coding is built.
 Run addVideoBench(CLI::App& app);
 Run addServe(CLI::App& app);
+Run addView(CLI::App& app);
 
 }  // namespace tessera::app

@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
 #ifdef TESSERA_HAS_CODEC
       {"video-bench", tessera::app::addVideoBench(app)},
       {"serve", tessera::app::addServe(app)},
+      {"view", tessera::app::addView(app)},
 #endif
   };
   try {

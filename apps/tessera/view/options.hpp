@@ -1,0 +1,41 @@
+// What `tessera view` is asked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/tessera/options.hpp"
+#include "codec/transport/address.hpp"
+
+namespace tessera::app {
+
+struct ViewOptions {
+  std::string address;
+  transport::Address server;  // `address`, parsed
+  std::string token;
+  std::string keys;
+  SizeChoice size;
+  ContextChoice context;  // without a window
+  bool headless = false;
+  std::string path;
+  int frames = 0;  // with a picture; 0: with a path its length, else until the window closes
+  double fps = 30.0;
+  double patience = 20.0;  // seconds without a first picture, headless
+  std::string record;
+  std::string stats;
+  std::string csv;
+  bool stereo = false;
+  std::vector<double> eye{0.0, 1.6, 0.0};
+  std::vector<double> target{0.0, 1.6, -1.0};
+  double fovY = 60.0;
+};
+
+inline constexpr double kEyeDistance = 0.064;  // metres
+inline constexpr double kViewNear = 0.05;      // metres
+
+/// Without a window, along a path, at `fps`.
+Result<void> viewHeadless(const ViewOptions& options);
+/// In a window, flown by hand, or along a path where there is one.
+Result<void> viewWindow(const ViewOptions& options);
+
+}  // namespace tessera::app

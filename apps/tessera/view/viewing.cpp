@@ -1,0 +1,158 @@
+#include "apps/tessera/view/viewing.hpp"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/core/file.hpp"
+#include "engine/view/camera.hpp"
+
+namespace tessera::app {
+
+namespace {
+
+double millisecondsBetween(view::Clock::time_point from, view::Clock::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+}  // namespace
+
+Result<Flight> Flight::of(const ViewOptions& options, glm::ivec2 size) {
+  Flight flight;
+  flight.size_ = size;
+  if (!options.path.empty()) {
+    auto path = loadCameraPath(options.path);
+    if (!path) return tl::unexpected(path.error());
+    flight.path_ = std::move(*path);
+    return flight;
+  }
+  flight.key_.eye = {options.eye[0], options.eye[1], options.eye[2]};
+  flight.key_.target = {options.target[0], options.target[1], options.target[2]};
+  flight.key_.fovY = options.fovY;
+  if (flight.key_.eye == flight.key_.target) return fail("--eye and --target are the same point");
+  return flight;
+}
+
+wire::Camera Flight::at(double seconds) const {
+  const CameraKey key = path_ ? sampleCamera(*path_, path_->keys.front().time + seconds) : key_;
+  return view::lookAt(key.eye, key.target, key.fovY, static_cast<std::uint32_t>(size_.x),
+                      static_cast<std::uint32_t>(size_.y), kViewNear);
+}
+
+int Flight::frames(double fps) const {
+  if (!path_) return 1;
+  return static_cast<int>(std::floor((path_->keys.back().time - path_->keys.front().time) * fps)) + 1;
+}
+
+Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& context) {
+  Viewing viewing(options);
+  auto display = view::StreamedDisplay::create(context);
+  if (!display) return tl::unexpected(display.error());
+  viewing.display_.emplace(std::move(*display));
+  view::SessionOptions session;
+  session.client.server = options.server;
+  session.client.token = options.token;
+  session.client.folder = options.keys;
+  session.client.log = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  if (!options.record.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(options.record, error);
+    if (error) return fail("--record {}: {}", options.record, error.message());
+  }
+  if (!options.csv.empty()) {
+    viewing.csv_.open(options.csv);
+    if (!viewing.csv_) return fail("--csv {}: cannot be written", options.csv);
+    viewing.csv_ << "time_s,frame_ms,atlas_frame,live,video_mbit_s,meta_mbit_s,loss_percent,round_trip_ms,"
+                    "pvs_miss_pixels";
+    for (std::size_t i = 0; i < view::kStages; ++i)
+      viewing.csv_ << ',' << view::nameOf(static_cast<view::Stage>(i)) << "_ms";
+    viewing.csv_ << '\n';
+  }
+  viewing.started_ = viewing.lastShown_ = view::Clock::now();
+  auto started = view::Session::start(std::move(session));
+  if (!started) return tl::unexpected(started.error());
+  viewing.session_ = std::move(*started);
+  return viewing;
+}
+
+double Viewing::seconds() const { return millisecondsBetween(started_, view::Clock::now()) * 1e-3; }
+
+Result<void> Viewing::step(const wire::Camera& camera) {
+  session_->pose(camera);
+  figures_ = session_->figures();
+  if (session_->take()) {
+    const auto taken = view::Clock::now();
+    const view::ShadedFrame& frame = session_->frame();
+    if (auto uploaded = display_->upload(frame); !uploaded) return uploaded;
+    const auto uploadedAt = view::Clock::now();
+    view::Latency& latency = session_->latency();
+    latency.add(view::Stage::Wait, millisecondsBetween(frame.times.applied, taken));
+    latency.add(view::Stage::Upload, millisecondsBetween(taken, uploadedAt));
+    shownFrame_ = frame.header.frame;
+    if (!firstPicture_) firstPicture_ = seconds();
+  }
+  const auto before = view::Clock::now();
+  if (options_->stereo)
+    display_->drawStereo(camera, kEyeDistance);
+  else
+    display_->draw(camera);
+  // Waits for the GPU, so that the times below are of finished pictures.
+  uncovered_ = display_->uncovered().value_or(0);
+  const auto now = view::Clock::now();
+  if (!hasPicture()) return {};
+  session_->latency().add(view::Stage::Display, millisecondsBetween(before, now));
+  const auto posed = session_->frame().times.posed;
+  if (posed != view::Clock::time_point{})
+    session_->latency().add(view::Stage::Total, millisecondsBetween(posed, now));
+  ++framesShown_;
+  uncoveredSum_ += uncovered_;
+  return {};
+}
+
+Result<void> Viewing::shown() {
+  const auto now = view::Clock::now();
+  frameMs_ = millisecondsBetween(lastShown_, now);
+  lastShown_ = now;
+  if (!csv_.is_open()) return {};
+  const view::Figures& f = figures_;
+  csv_ << fmt::format("{:.4f},{:.2f},{},{},{:.3f},{:.3f},{:.3f},{:.2f},{}", seconds(), frameMs_, shownFrame_,
+                      f.condition == view::Condition::Live ? 1 : 0, f.videoMbit, f.metaMbit, f.lossPercent(),
+                      f.roundTripMs, uncovered_);
+  for (std::size_t i = 0; i < view::kStages; ++i) {
+    const double median = latency(static_cast<view::Stage>(i));
+    csv_ << (median < 0.0 ? std::string(",") : fmt::format(",{:.2f}", median));
+  }
+  csv_ << '\n';
+  if (!csv_) return fail("--csv {}: cannot be written", options_->csv);
+  return {};
+}
+
+Result<void> Viewing::record(const Image& picture) {
+  if (options_->record.empty()) return {};
+  return writePng(std::filesystem::path(options_->record) / fmt::format("{:04}.png", ++recorded_), picture);
+}
+
+Result<void> Viewing::writeStats() const {
+  if (options_->stats.empty()) return {};
+  const view::Figures f = session_->figures();
+  const double connected = std::max(f.connectedSeconds, 1e-3);
+  nlohmann::json stages = nlohmann::json::object();
+  for (std::size_t i = 0; i < view::kStages; ++i) {
+    const auto stage = static_cast<view::Stage>(i);
+    const double median = latency(stage);
+    stages[view::nameOf(stage)] = median < 0.0 ? nlohmann::json(nullptr) : nlohmann::json(median);
+  }
+  const nlohmann::json stats = {
+      {"first_picture_s", firstPicture_ ? nlohmann::json(*firstPicture_) : nlohmann::json(nullptr)},
+      {"frames_shown", framesShown_},
+      {"atlas_frames_received", f.atlasFrames},
+      {"video_mbit_s", 8e-6 * static_cast<double>(f.videoBytes) / connected},
+      {"meta_mbit_s", 8e-6 * static_cast<double>(f.metaBytes) / connected},
+      {"loss_percent", f.lossPercent()},
+      {"latency_ms", stages},
+      {"pvs_miss_pixels",
+       framesShown_ == 0 ? 0.0 : static_cast<double>(uncoveredSum_) / static_cast<double>(framesShown_)}};
+  return writeFile(options_->stats, stats.dump(2) + "\n");
+}
+
+}  // namespace tessera::app

@@ -1,0 +1,71 @@
+// A viewer's display loop without what it is shown on: poses out, frames in, figures kept.
+#pragma once
+
+#include <fstream>
+#include <optional>
+
+#include "apps/tessera/view/options.hpp"
+#include "engine/view/display.hpp"
+#include "engine/view/session.hpp"
+
+namespace tessera::app {
+
+/// The camera of a path at its own time, or the one that eye and target say.
+class Flight {
+ public:
+  static Result<Flight> of(const ViewOptions& options, glm::ivec2 size);
+  [[nodiscard]] bool moves() const { return path_.has_value(); }
+  /// `seconds` from the path's start.
+  [[nodiscard]] wire::Camera at(double seconds) const;
+  /// Frames of the whole path at so many a second; 1 without one.
+  [[nodiscard]] int frames(double fps) const;
+
+ private:
+  std::optional<CameraPath> path_;
+  CameraKey key_;
+  glm::ivec2 size_{0};
+};
+
+class Viewing {
+ public:
+  /// Connects. Fails for what the session or the display cannot start with, and files that cannot be written.
+  static Result<Viewing> start(const ViewOptions& options, const gl::Context& context);
+
+  /// Sends the pose, takes the newest frame and draws it for the camera into display().color().
+  Result<void> step(const wire::Camera& camera);
+  /// After the picture is on its way to the screen: the frame's time is over.
+  Result<void> shown();
+
+  [[nodiscard]] bool hasPicture() const { return shownFrame_ != 0; }
+  [[nodiscard]] int framesShown() const { return framesShown_; }
+  [[nodiscard]] double seconds() const;
+  [[nodiscard]] const view::Figures& figures() const { return figures_; }
+  [[nodiscard]] const view::StreamedDisplay& display() const { return *display_; }
+  [[nodiscard]] double latency(view::Stage stage) const { return session_->latency().median(stage); }
+  [[nodiscard]] double frameMs() const { return frameMs_; }
+  [[nodiscard]] std::uint64_t uncovered() const { return uncovered_; }
+  [[nodiscard]] std::uint32_t shownFrame() const { return shownFrame_; }
+  /// DIR/0001.png, ...
+  Result<void> record(const Image& picture);
+  /// Where --stats says.
+  [[nodiscard]] Result<void> writeStats() const;
+
+ private:
+  explicit Viewing(const ViewOptions& options) : options_(&options) {}
+  const ViewOptions* options_;
+  std::unique_ptr<view::Session> session_;
+  std::optional<view::StreamedDisplay> display_;
+  view::Figures figures_;
+  view::Clock::time_point started_ = view::Clock::now();
+  view::Clock::time_point lastShown_ = started_;
+  std::ofstream csv_;
+  std::optional<double> firstPicture_;
+  std::uint32_t shownFrame_ = 0;
+  int framesShown_ = 0;
+  int recorded_ = 0;
+  double frameMs_ = 0.0;
+  std::uint64_t uncovered_ = 0;
+  std::uint64_t uncoveredSum_ = 0;
+};
+
+}  // namespace tessera::app

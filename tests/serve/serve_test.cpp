@@ -1,0 +1,230 @@
+// The server as a process: what viewers are sent, and that no viewer can end it.
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "codec/transport/client.hpp"
+#include "codec/video.hpp"
+#include "codec/wire/framing.hpp"
+#include "codec/wire/message_order.hpp"
+#include "codec/wire/visible_mirror.hpp"
+#include "engine/stream/feed.hpp"
+#include "tests/serve/program.hpp"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+const std::string kScene = TESSERA_SOURCE_DIR "/assets/atrium.glb";
+constexpr int kSeconds = 60;  // that anything may take on a busy machine
+
+/// A viewer without pictures: it keeps what it was sent.
+class Watcher {
+ public:
+  explicit Watcher(const std::string& address) {
+    auto client = transport::Client::start({.server = *transport::parseAddress(address)});
+    EXPECT_TRUE(client);
+    if (client) client_ = std::move(*client);
+    view_ = lookAt({-4, 1.7, 0}, {4, 1.5, 0}, 60.0, 320, 180, 0.05);
+  }
+
+  /// Takes what has come, moves a little, and says where it is.
+  void step() {
+    for (transport::ClientEvent& event : client_->poll()) {
+      if (std::holds_alternative<transport::Connected>(event)) {
+        ++connections;
+        parser_ = wire::MessageParser(wire::Role::Server);
+        order_ = wire::MessageOrder(wire::Role::Server);
+        mirror_.reset();
+        say(wire::Hello{wire::kSpoken, wire::Role::Viewer, ""});
+      } else if (auto* message = std::get_if<transport::ServerMessage>(&event)) {
+        parser_.feed(message->bytes);
+        while (true) {
+          auto next = parser_.next();
+          ASSERT_TRUE(next) << next.error().message;
+          if (!*next) break;
+          const auto allowed = order_.accept(**next);
+          ASSERT_TRUE(allowed) << allowed.error().message;
+          take(**next);
+        }
+      } else if (auto* video = std::get_if<transport::VideoFrame>(&event)) {
+        const Decoded decoded = decoder_.decode(video->frame.bytes);
+        if (decoded.picture) decodedFrames.push_back(static_cast<std::uint32_t>(decoded.frame));
+        if (decoded.wantsIFrame) say(wire::AskIFrame{});
+        if (decoded.picture && setup)
+          EXPECT_EQ(static_cast<std::uint32_t>(decoded.picture->height), setup->height);
+      }
+    }
+    if (!setup) return;
+    view_.eye.x += 0.002;
+    wire::Pose pose;
+    pose.number = ++poses_;
+    pose.time = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+    pose.camera = cameraOf(view_);
+    say(pose);
+  }
+  void say(const wire::Message& message) {
+    const auto bytes = wire::encode(message);
+    ASSERT_TRUE(bytes);
+    (void)client_->send(*bytes);
+  }
+  void shout(const std::string& text) {
+    (void)client_->send(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  }
+  [[nodiscard]] std::uint32_t elements() const { return mirror_ ? mirror_->liveElements() : 0; }
+
+  std::optional<wire::StreamSetup> setup;
+  std::vector<std::uint32_t> geometryFrames, decodedFrames;
+  std::vector<wire::MaskImage> masks;
+  bool sawIFrame = false;
+  int connections = 0;
+
+ private:
+  void take(const wire::Message& message) {
+    if (const auto* said = std::get_if<wire::StreamSetup>(&message)) {
+      setup = *said;
+      mirror_.emplace(said->method, wire::AtlasSize{said->width, said->height});
+    } else if (const auto* mask = std::get_if<wire::MaskImage>(&message)) {
+      masks.push_back(*mask);
+    } else if (const auto* frame = std::get_if<wire::FrameHeader>(&message)) {
+      sawIFrame = sawIFrame || frame->iFrame;
+    } else if (const auto* geometry = std::get_if<wire::Geometry>(&message)) {
+      ASSERT_TRUE(mirror_);
+      const auto applied = mirror_->apply(geometry->changes);
+      ASSERT_TRUE(applied) << applied.error().message;
+      geometryFrames.push_back(geometry->frame);
+    }
+  }
+
+  std::unique_ptr<transport::Client> client_;
+  wire::MessageParser parser_{wire::Role::Server};
+  wire::MessageOrder order_{wire::Role::Server};
+  std::optional<wire::VisibleMirror> mirror_;
+  VideoDecoder decoder_ = std::move(*VideoDecoder::create());
+  View view_;
+  std::uint32_t poses_ = 0;
+};
+
+/// Steps all until `done`; false where it takes too long.
+template <class Done>
+bool stepUntil(std::initializer_list<Watcher*> watchers, const Done& done) {
+  const Clock::time_point end = Clock::now() + std::chrono::seconds(kSeconds);
+  while (!done()) {
+    if (Clock::now() > end || testing::Test::HasFatalFailure()) return false;
+    for (Watcher* watcher : watchers) watcher->step();
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
+
+std::vector<std::string> arguments(const std::string& listen, std::vector<std::string> more = {}) {
+  std::vector<std::string> all = {"serve", kScene, "--listen",     listen, "--context", "osmesa",
+                                  "--fps", "10",   "--atlas-mpix", "0.5",  "--bitrate", "4M"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+struct Served {
+  explicit Served(const std::string& listen = "127.0.0.1:0", std::vector<std::string> more = {})
+      : program(arguments(listen, std::move(more))) {
+    EXPECT_TRUE(program.waitFor("listening on ", kSeconds)) << program.said();
+    EXPECT_TRUE(program.waitFor("x264", kSeconds)) << program.said();
+    address = program.after("listening on ");
+  }
+  test::Program program;
+  std::string address;
+};
+
+void expectStream(const std::vector<std::string>& more, wire::Method method) {
+  Served server("127.0.0.1:0", more);
+  Watcher watcher(server.address);
+  ASSERT_TRUE(stepUntil({&watcher}, [&] { return watcher.decodedFrames.size() >= 8; }))
+      << server.program.said();
+  ASSERT_TRUE(watcher.setup);
+  EXPECT_EQ(watcher.setup->method, method);
+  EXPECT_TRUE(watcher.sawIFrame);
+  EXPECT_GT(watcher.elements(), 100u);
+  // Each decoded atlas has the geometry of its number.
+  for (const std::uint32_t frame : watcher.decodedFrames)
+    EXPECT_NE(std::find(watcher.geometryFrames.begin(), watcher.geometryFrames.end(), frame),
+              watcher.geometryFrames.end())
+        << frame;
+  EXPECT_EQ(server.program.end(SIGINT), 0) << server.program.said();
+}
+
+TEST(Serve, StreamsPatches) { expectStream({}, wire::Method::Rect); }
+TEST(Serve, StreamsTriangles) { expectStream({"--method", "tess", "--chroma", "444"}, wire::Method::Tess); }
+
+TEST(Serve, TwoViewersAndOneThatVanishes) {
+  Served server;
+  Watcher first(server.address);
+  auto second = std::make_unique<Watcher>(server.address);
+  ASSERT_TRUE(stepUntil({&first, second.get()}, [&] {
+    return first.decodedFrames.size() >= 3 && second->decodedFrames.size() >= 3;
+  })) << server.program.said();
+  second.reset();
+  const std::size_t before = first.decodedFrames.size();
+  ASSERT_TRUE(stepUntil({&first}, [&] { return first.decodedFrames.size() >= before + 5; }))
+      << server.program.said();
+  Watcher again(server.address);
+  ASSERT_TRUE(stepUntil({&first, &again}, [&] { return again.decodedFrames.size() >= 3; }))
+      << server.program.said();
+  EXPECT_GT(again.elements(), 100u);
+}
+
+TEST(Serve, GarbageEndsOneViewerAlone) {
+  Served server;
+  Watcher good(server.address);
+  Watcher bad(server.address);
+  ASSERT_TRUE(stepUntil({&good, &bad}, [&] { return bad.setup && good.decodedFrames.size() >= 2; }))
+      << server.program.said();
+  bad.shout("this is no message of anybody");
+  const std::size_t before = good.decodedFrames.size();
+  ASSERT_TRUE(stepUntil({&good}, [&] { return good.decodedFrames.size() >= before + 5; }))
+      << server.program.said();
+  EXPECT_TRUE(server.program.waitFor("dismissed", kSeconds)) << server.program.said();
+  wire::Pose pose;
+  pose.number = 1'000'000;
+  pose.camera.width = 1'000'000;
+  good.say(pose);
+  EXPECT_TRUE(stepUntil({&good}, [&] {
+    return good.connections >= 1 && server.program.waitFor("1000000 x", 1);
+  })) << server.program.said();
+  EXPECT_EQ(server.program.end(SIGTERM), 0);
+}
+
+TEST(Serve, AServerThatReturnsIsFoundAgain) {
+  auto server = std::make_unique<Served>();
+  const std::string address = server->address;
+  Watcher watcher(address);
+  ASSERT_TRUE(stepUntil({&watcher}, [&] { return !watcher.decodedFrames.empty(); }));
+  server->program.end(SIGKILL);
+  server = std::make_unique<Served>(address);
+  const std::size_t before = watcher.decodedFrames.size();
+  ASSERT_TRUE(stepUntil({&watcher}, [&] {
+    return watcher.connections >= 2 && watcher.geometryFrames.size() > 2 &&
+           watcher.decodedFrames.size() >= before;
+  })) << server->program.said();
+}
+
+TEST(Serve, StatisticsNameTheStages) {
+  const std::string file = testing::TempDir() + "serve_stats.json";
+  std::remove(file.c_str());
+  Served server("127.0.0.1:0", {"--frames", "6", "--stats", file});
+  Watcher watcher(server.address);
+  ASSERT_TRUE(stepUntil({&watcher}, [&] { return std::ifstream(file).good(); })) << server.program.said();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const auto json = nlohmann::json::parse(std::ifstream(file));
+  EXPECT_EQ(json.at("frames"), 6);
+  for (const char* stage : {"visible", "place", "shade", "convert", "read", "meta", "encode"})
+    EXPECT_GT(json.at("ms").at(stage).get<double>(), 0.0) << stage;
+  EXPECT_GT(json.at("video_bytes").get<double>(), 0.0);
+  EXPECT_GT(json.at("meta_bytes").get<double>(), 0.0);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,5 +1,6 @@
 // What a viewer decodes is what the server shaded: the same view is shaded here, and the blocks of both
 // atlases hold the same colours. Places may differ, so sums over blocks are compared.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <map>
@@ -24,6 +25,7 @@ constexpr int kSeconds = 60;  // that anything may take on a busy machine
 
 View view() { return lookAt({10.2, 1.75, 4.1}, {0.0, 2.4, -0.4}, 60.0, 320, 180, 0.05); }
 
+/// Of blocks of an atlas whose rows are the texture's, as video has them.
 struct Mean {
   glm::dvec3 color{0.0};
   double texels = 0.0;
@@ -37,11 +39,7 @@ struct Mean {
     ASSERT_LE(y + height, static_cast<std::uint32_t>(atlas.height));
     for (std::uint32_t row = y; row < y + height; ++row)
       for (std::uint32_t column = x; column < x + width; ++column) {
-        // Rows of the image are from the top, those of blocks from the texture's first.
-        const std::size_t at =
-            (std::size_t{static_cast<std::uint32_t>(atlas.height) - 1 - row} * std::size_t(atlas.width) +
-             column) *
-            4;
+        const std::size_t at = (std::size_t{row} * static_cast<std::size_t>(atlas.width) + column) * 4;
         for (int i = 0; i < 3; ++i) color[i] += atlas.pixels[at + static_cast<std::size_t>(i)];
       }
     texels += width * height;
@@ -69,7 +67,12 @@ void shadeHere(int width, int height, Mean& mean) {
   (*engine)->findVisible(std::span(&one, 1));
   ASSERT_TRUE((*engine)->place(std::span(&one, 1)));
   (*engine)->shade(one);
-  const Image atlas = (*engine)->readAtlas();
+  const Image top = (*engine)->readAtlas();
+  Image atlas = top;
+  const std::size_t row = static_cast<std::size_t>(top.width) * 4;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(top.height); ++y)
+    std::copy_n(top.pixels.end() - static_cast<std::ptrdiff_t>((y + 1) * row), row,
+                atlas.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
   for (const glsl::PatchState& state : (*engine)->atlas()->memory().readVisible())
     if (glsl::levelTexels(state.level) > 1) mean.add(atlas, state.origin, state.level);
 }

@@ -11,6 +11,7 @@
 #include "codec/transport/client.hpp"
 #include "codec/video.hpp"
 #include "codec/wire/framing.hpp"
+#include "codec/wire/handshake.hpp"
 #include "codec/wire/visible_mirror.hpp"
 #include "engine/scene/gltf.hpp"
 #include "engine/stream/feed.hpp"
@@ -52,7 +53,7 @@ struct Mean {
 void shadeHere(int width, int height, Mean& mean) {
   auto context = gl::Context::createOsMesa();
   ASSERT_TRUE(context) << context.error().message;
-  auto scene = loadGltf(kAssets + "atrium.glb", {.loadImages = true});
+  auto scene = loadGltf(kAssets + "atrium.glb", {.loadImages = true, .progress = {}});
   ASSERT_TRUE(scene) << scene.error().message;
   auto stage = loadStage(kAssets + "stages/atrium.json");
   ASSERT_TRUE(stage) << stage.error().message;
@@ -82,7 +83,9 @@ TEST(ServeAtlas, WhatIsDecodedIsWhatWasShaded) {
                         "--atlas-mpix", "1", "--bitrate", "40M", "--fps", "10", "--prediction", "none",
                         "--margin-deg", "0"});
   ASSERT_TRUE(server.waitFor("libx264", kSeconds)) << server.said();
-  auto client = transport::Client::start({.server = *transport::parseAddress(server.after("listening on "))});
+  transport::ClientOptions connecting;
+  connecting.server = *transport::parseAddress(server.after("listening on "));
+  auto client = transport::Client::start(connecting);
   ASSERT_TRUE(client) << client.error().message;
   const auto say = [&](const wire::Message& message) {
     const auto bytes = wire::encode(message);

@@ -9,6 +9,7 @@
 
 #include "codec/transport/client.hpp"
 #include "codec/wire/framing.hpp"
+#include "codec/wire/handshake.hpp"
 #include "tests/serve/program.hpp"
 
 namespace tessera {
@@ -34,7 +35,10 @@ void expectRefused(const std::vector<std::string>& more, const std::string& name
 class Peer {
  public:
   explicit Peer(const std::string& address) {
-    auto client = transport::Client::start({.server = *transport::parseAddress(address), .reconnect = false});
+    transport::ClientOptions options;
+    options.server = *transport::parseAddress(address);
+    options.reconnect = false;
+    auto client = transport::Client::start(options);
     EXPECT_TRUE(client);
     if (client) client_ = std::move(*client);
   }

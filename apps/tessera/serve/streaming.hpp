@@ -37,7 +37,8 @@ class Streaming {
   /// Until all frames are made or `stop` is set. What is coded then is still sent. Fails where the engine
   /// does.
   Result<void> run(const std::atomic<bool>& stop);
-  /// Medians of milliseconds by stage, and totals; see `tessera serve --stats` in README.md.
+  /// Medians of milliseconds by stage, totals, and shares of a frame: `own_share` is all but shading and
+  /// coding, `streaming_share` what is left of that without finding and placing the visible set.
   [[nodiscard]] nlohmann::json statistics() const;
 
  private:

@@ -10,6 +10,7 @@
 #include "codec/transport/client.hpp"
 #include "codec/video.hpp"
 #include "codec/wire/framing.hpp"
+#include "codec/wire/handshake.hpp"
 #include "codec/wire/message_order.hpp"
 #include "codec/wire/visible_mirror.hpp"
 #include "engine/stream/feed.hpp"
@@ -26,7 +27,9 @@ constexpr int kSeconds = 60;  // that anything may take on a busy machine
 class Watcher {
  public:
   explicit Watcher(const std::string& address) {
-    auto client = transport::Client::start({.server = *transport::parseAddress(address)});
+    transport::ClientOptions options;
+    options.server = *transport::parseAddress(address);
+    auto client = transport::Client::start(options);
     EXPECT_TRUE(client);
     if (client) client_ = std::move(*client);
     view_ = lookAt({-4, 1.7, 0}, {4, 1.5, 0}, 60.0, 320, 180, 0.05);
@@ -55,8 +58,9 @@ class Watcher {
         const Decoded decoded = decoder_.decode(video->frame.bytes);
         if (decoded.picture) decodedFrames.push_back(static_cast<std::uint32_t>(decoded.frame));
         if (decoded.wantsIFrame) say(wire::AskIFrame{});
-        if (decoded.picture && setup)
+        if (decoded.picture && setup) {
           EXPECT_EQ(static_cast<std::uint32_t>(decoded.picture->height), setup->height);
+        }
       }
     }
     if (!setup) return;

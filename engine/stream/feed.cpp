@@ -85,6 +85,16 @@ Result<View> viewOf(const wire::Camera& camera) {
       !near(across * camera.height, up * camera.width))
     return fail("slopes {} {} {} {} are not those of square pixels around the axis", camera.slopes[0],
                 camera.slopes[1], camera.slopes[2], camera.slopes[3]);
+  if (camera.width * camera.height > kMostViewPixels)
+    return fail("a picture of {} x {}: more than {} pixels", camera.width, camera.height, kMostViewPixels);
+  for (const double slope : {up, across})
+    if (!(slope >= kLeastSlope && slope <= kMostSlope))
+      return fail("a slope of {} is outside [{}, {}]", slope, kLeastSlope, kMostSlope);
+  if (!(camera.zNear >= kLeastNear && camera.zNear <= kMostNear))
+    return fail("a near plane at {} is outside [{}, {}]", camera.zNear, kLeastNear, kMostNear);
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::abs(camera.eye[axis]) <= kFarthestEye))
+      return fail("an eye at {} on axis {}: farther out than {}", camera.eye[axis], axis, kFarthestEye);
   const glm::dvec4& q = camera.orientation;
   const glm::dquat turn = glm::normalize(glm::dquat(q.w, q.x, q.y, q.z));
   View view;

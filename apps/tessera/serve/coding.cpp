@@ -20,6 +20,11 @@ void CodingThread::push(YuvImage planes, std::uint32_t frame, bool iFrame) {
   changed_.notify_all();
 }
 
+void CodingThread::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return !next_ && !busy_; });
+}
+
 std::vector<Result<EncodedFrame>> CodingThread::take() {
   const std::lock_guard lock(mutex_);
   return std::exchange(done_, {});
@@ -33,11 +38,16 @@ void CodingThread::run() {
       changed_.wait(lock, [&] { return next_ || ends_; });
       if (!next_) return;
       job.swap(next_);
+      busy_ = true;
     }
     changed_.notify_all();
     auto coded = encoder_.encode(job->planes.view(), job->frame, {.iFrame = job->iFrame});
-    const std::lock_guard lock(mutex_);
-    done_.push_back(std::move(coded));
+    {
+      const std::lock_guard lock(mutex_);
+      done_.push_back(std::move(coded));
+      busy_ = false;
+    }
+    changed_.notify_all();
   }
 }
 

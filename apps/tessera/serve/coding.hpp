@@ -21,6 +21,8 @@ class CodingThread {
 
   /// Waits while the frame before is coded.
   void push(YuvImage planes, std::uint32_t frame, bool iFrame);
+  /// Waits until all that was pushed is coded.
+  void finish();
   /// What is coded since the last call, in order; errors of the encoder among it. Never waits.
   std::vector<Result<EncodedFrame>> take();
 
@@ -36,6 +38,7 @@ class CodingThread {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<Job> next_;
+  bool busy_ = false;
   bool ends_ = false;
   std::vector<Result<EncodedFrame>> done_;
   std::thread thread_;

@@ -30,9 +30,7 @@ std::size_t Viewers::tell(transport::ViewerId id, const wire::Message& message) 
   const auto bytes = wire::encode(message);
   const auto sent = bytes ? server_->send(id, *bytes) : Result<void>(tl::unexpected(bytes.error()));
   if (sent) return bytes->size();
-  log_(fmt::format("viewer {}: {} not sent: {}", id, wire::nameOf(wire::kindOf(message)),
-                   sent.error().message));
-  viewers_.erase(id);
+  dismiss(id, fmt::format("{} not sent: {}", wire::nameOf(wire::kindOf(message)), sent.error().message));
   return 0;
 }
 
@@ -55,8 +53,7 @@ Result<void> Viewers::take(transport::ViewerId id, Viewer& viewer, const wire::M
   } else if (const auto* pose = std::get_if<wire::Pose>(&message)) {
     auto view = viewOf(pose->camera);
     if (!view) return fail("pose {}: {}", pose->number, view.error().message);
-    viewer.track.add({pose->time, *view});
-    viewer.camera = pose->camera;
+    if (viewer.track.add({pose->time, *view})) viewer.camera = pose->camera;
   } else if (const auto* seen = std::get_if<wire::Acknowledge>(&message)) {
     viewer.acknowledged = seen->atlasFrame;
   } else if (std::get_if<wire::AskIFrame>(&message) != nullptr) {
@@ -76,6 +73,15 @@ Result<void> Viewers::takeBytes(transport::ViewerId id, std::span<const std::uin
     if (!*message) return {};
     if (auto taken = take(id, found->second, **message); !taken) return taken;
   }
+}
+
+void Viewers::dismissSilent() {
+  std::vector<transport::ViewerId> silent;
+  const auto now = std::chrono::steady_clock::now();
+  for (const auto& [id, viewer] : viewers_)
+    if (viewer.delta == nullptr && now - viewer.joined > kHelloWait) silent.push_back(id);
+  for (const transport::ViewerId id : silent)
+    dismiss(id, fmt::format("no hello within {} s", kHelloWait.count()));
 }
 
 void Viewers::poll() {
@@ -99,6 +105,7 @@ void Viewers::poll() {
                        viewers_.erase(left.viewer);
                      }},
                event);
+  dismissSilent();
 }
 
 }  // namespace tessera::app

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "codec/transport/server.hpp"
@@ -22,7 +23,9 @@ struct Viewer {
   std::unique_ptr<wire::VisibleDelta> delta;  // from its hello on
   PoseTrack track;                            // in seconds of the viewer's own clock
   wire::Camera camera;                        // of the last pose
+  double latency = 0.0;                       // seconds, that its views were predicted for
   bool videoOpen = false;
+  std::chrono::steady_clock::time_point joined = std::chrono::steady_clock::now();
   std::uint32_t acknowledged = 0;  // atlas frame
 
   /// It has been greeted and has said where it is.
@@ -31,6 +34,8 @@ struct Viewer {
 
 class Viewers {
  public:
+  /// How long a viewer may hold a place without a hello.
+  static constexpr std::chrono::seconds kHelloWait{5};
   using Log = std::function<void(const std::string&)>;
   /// `greeting`: what follows the server's hello to a new viewer. `source` outlives this.
   Viewers(transport::Server& server, const wire::GeometrySource& source, std::vector<wire::Message> greeting,
@@ -43,11 +48,12 @@ class Viewers {
   [[nodiscard]] std::size_t watching() const;
   /// Whether a viewer needs an I-frame; asks at most once for all.
   [[nodiscard]] bool takeIFrameWish() { return std::exchange(wantsIFrame_, false); }
-  /// A viewer that cannot be told is dropped, with a line in the log. Bytes sent.
+  /// A viewer that cannot be told is dismissed, with a line in the log. Bytes sent.
   std::size_t tell(transport::ViewerId id, const wire::Message& message);
   void dismiss(transport::ViewerId id, const std::string& why);
 
  private:
+  void dismissSilent();
   Result<void> take(transport::ViewerId id, Viewer& viewer, const wire::Message& message);
   Result<void> takeBytes(transport::ViewerId id, std::span<const std::uint8_t> bytes);
 

@@ -52,7 +52,8 @@ Result<libav::Owned<AVCodecContext>> open(const DecoderOptions& options) {
   context->max_pixels = static_cast<std::int64_t>(options.maxPixels);
   // What is wrong is refused, not guessed at.
   context->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER;
-  context->error_concealment = 0;
+  // Concealment stays on, though a picture that has any is refused below: without it libavcodec (59.37) does
+  // not clear the table that tells which slices came, and takes pictures of several slices for broken ones.
   if (const int code = avcodec_open2(context.get(), codec, nullptr); code < 0)
     return fail("video: the H.264 decoder does not open: {}", libav::errorText(code));
   return context;

@@ -7,8 +7,8 @@
 
 namespace tessera::view {
 
-/// A symmetric perspective camera that looks from `eye` at `target`; +y is up, or -z when it looks straight up
-/// or down. `fovY` in degrees, (0, 180); sides of the picture in pixels, at least 1.
+/// A symmetric perspective camera that looks from `eye` at `target`; +y is up, or -z when it looks straight
+/// up or down. `fovY` in degrees, (0, 180); sides of the picture in pixels, at least 1.
 wire::Camera lookAt(const glm::dvec3& eye, const glm::dvec3& target, double fovY, std::uint32_t width,
                     std::uint32_t height, double zNear);
 

@@ -57,23 +57,23 @@ class Rate {
 enum class Condition : std::uint8_t {
   Live,
   Connecting,
-  Refused,      // and no further try will be made
-  ServerGone,   // and tried again
-  StreamBroken, // what it sent was no stream; tried again
+  Refused,       // and no further try will be made
+  ServerGone,    // and tried again
+  StreamBroken,  // what it sent was no stream; tried again
   NoVideoYet,
   WaitingForIFrame,
   DecodeFailed,
-  Stalled,      // connected, but no frame comes
+  Stalled,  // connected, but no frame comes
 };
 
 struct Figures {
   Condition condition = Condition::Connecting;
-  std::string why;  // one line for a user; empty while Live
+  std::string why;                // one line for a user; empty while Live
   std::uint64_t atlasFrames = 0;  // decoded since the start
   std::uint64_t frames = 0;       // announced since the start
   std::uint64_t videoBytes = 0;
-  std::uint64_t metaBytes = 0;    // of messages, without TCP and TLS
-  double videoMbit = 0.0;         // over the last whole second
+  std::uint64_t metaBytes = 0;  // of messages, without TCP and TLS
+  double videoMbit = 0.0;       // over the last whole second
   double metaMbit = 0.0;
   std::uint64_t packets = 0;
   std::uint64_t lostPackets = 0;

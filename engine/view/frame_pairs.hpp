@@ -1,5 +1,5 @@
-// Puts geometry and atlas of one frame together: they come by different ways, and either may be late or, of the
-// atlas, lost.
+// Puts geometry and atlas of one frame together: they come by different ways, and either may be late or, of
+// the atlas, lost.
 #pragma once
 
 #include <cstdint>

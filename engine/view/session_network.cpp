@@ -14,7 +14,8 @@ constexpr std::size_t kRememberedPoses = 512;
 // What comes back has been through other forms of the same view.
 bool sameView(const wire::Camera& a, const wire::Camera& b) {
   constexpr double kSame = 1e-9;
-  return glm::distance(a.eye, b.eye) < kSame && 1.0 - std::abs(glm::dot(a.orientation, b.orientation)) < kSame;
+  return glm::distance(a.eye, b.eye) < kSame &&
+         1.0 - std::abs(glm::dot(a.orientation, b.orientation)) < kSame;
 }
 
 }  // namespace
@@ -50,7 +51,8 @@ void Session::State::giveUp(std::string reason, bool final_) {
   if (client) countVideo();
   client.reset();
   const std::lock_guard lock(mutex);
-  if (connected) figures.connectedSeconds += std::chrono::duration<double>(Clock::now() - connectedAt).count();
+  if (connected)
+    figures.connectedSeconds += std::chrono::duration<double>(Clock::now() - connectedAt).count();
   connected = false;
   trouble = std::move(reason);
   final = final_;
@@ -81,7 +83,8 @@ void Session::State::handle(transport::ClientEvent& event) {
     outbox.emplace_back(wire::Hello{wire::kSpoken, wire::Role::Viewer, ""});
   } else if (auto* gone = std::get_if<transport::Disconnected>(&event)) {
     const std::lock_guard lock(mutex);
-    if (connected) figures.connectedSeconds += std::chrono::duration<double>(Clock::now() - connectedAt).count();
+    if (connected)
+      figures.connectedSeconds += std::chrono::duration<double>(Clock::now() - connectedAt).count();
     connected = false;
     trouble = gone->reason;
     final = !gone->retrying;

@@ -15,9 +15,9 @@ using Clock = std::chrono::steady_clock;
 
 /// When a frame passed each stage.
 struct FrameTimes {
-  Clock::time_point posed;    // its pose was sent; the epoch where that is not known
-  Clock::time_point header;   // its frame message came
-  Clock::time_point video;    // its video was whole
+  Clock::time_point posed;   // its pose was sent; the epoch where that is not known
+  Clock::time_point header;  // its frame message came
+  Clock::time_point video;   // its video was whole
   Clock::time_point decoded;
   Clock::time_point applied;  // its geometry was, and it could be shown
 };

@@ -14,8 +14,8 @@ Result<void> viewHeadless(const ViewOptions& options) {
   auto viewing = Viewing::start(options, **context);
   if (!viewing) return tl::unexpected(viewing.error());
   const int frames = options.frames > 0 ? options.frames : flight->frames(options.fps);
-  const auto interval = std::chrono::duration_cast<view::Clock::duration>(
-      std::chrono::duration<double>(1.0 / options.fps));
+  const auto interval =
+      std::chrono::duration_cast<view::Clock::duration>(std::chrono::duration<double>(1.0 / options.fps));
   auto due = view::Clock::now();
   std::string said;
   while (viewing->framesShown() < frames) {
@@ -27,7 +27,8 @@ Result<void> viewHeadless(const ViewOptions& options) {
       said = figures.why;
       if (!said.empty()) fmt::print(stderr, "view: {}\n", said);
     }
-    if (figures.condition == view::Condition::Refused || (!viewing->hasPicture() && viewing->seconds() > options.patience)) {
+    if (figures.condition == view::Condition::Refused ||
+        (!viewing->hasPicture() && viewing->seconds() > options.patience)) {
       // Figures of a failed run are figures too.
       if (auto written = viewing->writeStats(); !written) return written;
       return fail("no picture of {} for {:.1f} s: {}", options.address, viewing->seconds(), figures.why);

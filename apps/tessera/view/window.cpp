@@ -1,11 +1,11 @@
 // A window with GLFW: a camera that flies by mouse and keys, the picture, and the overlay.
 #define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
+#include <cstring>
 #include <imgui.h>
 #include <imgui_impl_glfw.h>
 #include <imgui_impl_opengl3.h>
 
-#include <cstring>
+#include <GLFW/glfw3.h>
 
 #include "apps/tessera/view/overlay.hpp"
 #include "apps/tessera/view/viewing.hpp"
@@ -163,7 +163,8 @@ Result<void> viewWindow(const ViewOptions& options) {
       if (auto written = viewing->record(readBack(pixels)); !written) return written;
     glfwSwapBuffers((*window)->get());
     if (auto done = viewing->shown(); !done) return done;
-    if (viewing->figures().condition == view::Condition::Refused && !viewing->hasPicture() && options.frames > 0)
+    if (viewing->figures().condition == view::Condition::Refused && !viewing->hasPicture() &&
+        options.frames > 0)
       return fail("{}", viewing->figures().why);
   }
   return viewing->writeStats();

@@ -51,6 +51,16 @@ bool firstNal(std::span<const std::uint8_t> stream, Nal& nal, std::size_t& end) 
   return true;
 }
 
+std::vector<std::uint8_t> withLongStartCodes(std::span<const std::uint8_t> stream) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(stream.size() + 16);
+  for (const Nal& nal : nalsOf(stream)) {
+    bytes.insert(bytes.end(), {0, 0, 0, 1});
+    bytes.insert(bytes.end(), nal.bytes.begin(), nal.bytes.end());
+  }
+  return bytes;
+}
+
 std::vector<std::uint8_t> escape(std::span<const std::uint8_t> payload) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(payload.size() + payload.size() / 2);

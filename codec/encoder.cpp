@@ -246,7 +246,7 @@ Result<EncodedFrame> VideoEncoder::State::encode(const YuvView& planes, std::uin
   const bool idr = holdsIdr(bytes);
   if (iFrame && !idr) return fail("{}: frame {} was to be an I-frame, and is none", name, number);
   if (!idr) out.reference = *last;
-  out.bytes = stamped({.frame = number, .reference = out.reference}, bytes);
+  out.bytes = stamped({.frame = number, .reference = out.reference}, withLongStartCodes(bytes));
   av_packet_unref(packet.get());
   last = number;
   sinceIFrame = idr ? 1 : std::min(since + 1, kLongestInterval);

@@ -24,8 +24,9 @@ std::vector<Nal> nalsOf(std::span<const std::uint8_t> stream);
 /// Nothing where the stream does not begin with a start code (00 00 01 or 00 00 00 01) and a byte.
 bool firstNal(std::span<const std::uint8_t> stream, Nal& nal, std::size_t& end);
 
-/// The same units, each behind the long start code 00 00 00 01 and without trailing zeroes. A transport that carries units
-/// alone (RTP) gives a stream back in this form: what is checked byte for byte must have it before.
+/// The same units, each behind the long start code 00 00 00 01 and without trailing zeroes. A transport that
+/// carries units alone (RTP) gives a stream back in this form: what is checked byte for byte must have it
+/// before.
 std::vector<std::uint8_t> withLongStartCodes(std::span<const std::uint8_t> stream);
 
 /// A payload with 03 put in where two zeroes are followed by 0 to 3 (sec. 7.4.1), and the payload of such

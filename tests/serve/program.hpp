@@ -4,6 +4,7 @@
 #include <csignal>
 #include <poll.h>
 #include <string>
+#include <sys/prctl.h>
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,6 +20,8 @@ class Program {
     if (pipe(ends) != 0) return;
     process_ = fork();
     if (process_ == 0) {
+      // A test that is cut off leaves no server behind.
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
       dup2(ends[1], 1);
       dup2(ends[1], 2);
       close(ends[0]);

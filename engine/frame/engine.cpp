@@ -330,16 +330,6 @@ void Engine::rect(const View& view, DisplayMode mode) {
   display(view, mode);
 }
 
-Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp) {
-  Image image{width, height, std::vector<std::uint8_t>(bottomUp.size())};
-  const auto row = static_cast<std::size_t>(width) * 4;
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    std::copy_n(
-        bottomUp.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height) - 1 - y) * row), row,
-        image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
-  return image;
-}
-
 const gl::Texture& Engine::color() const { return s_->shown().color; }
 
 Image Engine::readColor() const {

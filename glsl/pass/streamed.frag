@@ -20,6 +20,7 @@ layout(location = 1) flat in uint vElement;
 #else
 layout(location = 0) in vec2 vAtlas;
 layout(location = 1) flat in uint vElement;
+layout(location = 3) flat in vec4 vWithin;
 #endif
 #ifdef MASK
 layout(location = 2) in vec2 vMaskAt;
@@ -66,7 +67,7 @@ void main() {
 #ifdef TESS
   vec2 at = atlasTexel(vElement, vPoint.xyz) * uTexelToUv;
 #else
-  vec2 at = vAtlas;
+  vec2 at = clamp(vAtlas, vWithin.xy, vWithin.zw);  // as in display.frag
 #endif
   oColor = vec4(textureLod(uAtlas, at, 0.0).rgb, 1.0);
 }

@@ -59,6 +59,8 @@ Result<void> serve(const ServeOptions& options) {
   const auto step = [&](const std::string& text) { loading->step(text); };
   auto scene = loadGltf(options.scene, {.loadImages = true, .progress = step});
   if (!scene) return tl::unexpected(scene.error());
+  // Before the engine takes the scene: it keeps no pixels of it.
+  std::vector<wire::MaskImage> masks = masksOf(*scene);
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   setup->request = {.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = false};
@@ -92,6 +94,8 @@ Result<void> serve(const ServeOptions& options) {
   stream.height = static_cast<std::uint32_t>(atlas.height());
   stream.fpsNumerator = static_cast<std::uint32_t>(std::lround(options.fps * 1000.0));
   stream.fpsDenominator = 1000;
+  std::vector<wire::Message> greeting = {std::move(stream)};
+  for (wire::MaskImage& mask : masks) greeting.emplace_back(std::move(mask));
   transport::ServerOptions listening;
   listening.listen = *address;
   listening.token = options.token;
@@ -117,7 +121,7 @@ Result<void> serve(const ServeOptions& options) {
   streamed.shade = shadeOptions(options.atlas);
   streamed.timeStages = !options.stats.empty();
   Streaming streaming(streamed, **engine, **server, std::move(*packer), std::move(*encoder),
-                      std::move(stream));
+                      std::move(greeting));
   if (auto ran = streaming.run(stopAsked); !ran) return ran;
   if (options.stats.empty()) return {};
   return writeFile(options.stats, streaming.statistics().dump(2) + "\n");

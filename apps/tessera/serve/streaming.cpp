@@ -21,13 +21,6 @@ void say(const std::string& line) {
   std::fflush(stdout);
 }
 
-std::vector<wire::Message> greetingOf(const Scene& scene, wire::StreamSetup setup) {
-  std::vector<wire::Message> greeting;
-  greeting.emplace_back(std::move(setup));
-  for (wire::MaskImage& mask : masksOf(scene)) greeting.emplace_back(std::move(mask));
-  return greeting;
-}
-
 double megabits(std::uint64_t bytes, double seconds) {
   return seconds > 0.0 ? static_cast<double>(bytes) * 8e-6 / seconds : 0.0;
 }
@@ -35,14 +28,14 @@ double megabits(std::uint64_t bytes, double seconds) {
 }  // namespace
 
 Streaming::Streaming(const StreamingOptions& options, Engine& engine, transport::Server& server,
-                     YuvPacker packer, VideoEncoder encoder, wire::StreamSetup setup)
+                     YuvPacker packer, VideoEncoder encoder, std::vector<wire::Message> greeting)
     : options_(options),
       engine_(engine),
       server_(server),
       packer_(std::move(packer)),
       coding_(std::move(encoder)),
       feed_(engine),
-      viewers_(server, feed_.source(), greetingOf(engine.scene(), std::move(setup)), say) {}
+      viewers_(server, feed_.source(), std::move(greeting), say) {}
 
 Result<void> Streaming::run(const std::atomic<bool>& stop) {
   const auto interval = std::chrono::duration_cast<Clock::duration>(

@@ -7,10 +7,6 @@ namespace tessera::view {
 
 namespace {
 
-double millisecondsBetween(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double, std::milli>(to - from).count();
-}
-
 YuvImage copyOf(const YuvView& planes) {
   YuvImage copy(planes.width, planes.height, planes.chroma);
   const YuvView there = copy.view();

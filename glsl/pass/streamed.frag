@@ -28,12 +28,6 @@ layout(location = 2) in vec2 vMaskAt;
 layout(location = 0) out vec4 oColor;
 
 #ifdef TESS
-// Of coordinates that are proportional to even ones. A fragment's centre lies in the triangle but for rounding.
-vec3 evenOf(vec3 weighted) {
-  vec3 even = max(weighted, vec3(0.0));
-  return even / max(even.x + even.y + even.z, 1e-30);
-}
-
 TessShape shapeOf(StreamedTess e) { return TessShape(e.kind, e.size, e.form); }
 
 // Of a split triangle the samples of the piece that the point lies in; its own, coarse ones where there is no such piece.

@@ -282,7 +282,7 @@ Result<void> Engine::State::makeGatherer(const EngineOptions& wanted) {
   const std::uint32_t elements = draw.patchInstances * (triangles ? 4 : 1);
   std::optional<VisibleSet> newVisible;
   if (!visible || visible->element() != element) {
-    auto made = VisibleSet::create(programs, element, elements);
+    auto made = VisibleSet::create(programs, element, elements, wanted.visiblePixels);
     if (!made) return tl::unexpected(made.error());
     newVisible = std::move(*made);
   }

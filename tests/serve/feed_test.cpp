@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/scene/build.hpp"
+#include "engine/stream/regions.hpp"
 
 namespace tessera {
 namespace {
@@ -100,6 +101,32 @@ TEST(Feed, MasksBeyondTheWiresSidesAreHalved) {
   EXPECT_EQ(masks[0].height, 1u);
   EXPECT_EQ(masks[0].alpha[0], 255);
   EXPECT_EQ(masks[0].alpha[1], 101);
+}
+
+TEST(Regions, MacroblocksCountByThePixelsThatShowThem) {
+  // A block of one macroblock that 512 pixels show, one over two macroblocks with 128 pixels in all, and one
+  // that nobody sees.
+  const std::vector<ShownBlock> blocks = {{0, 0, 16, 16, 512.0}, {24, 16, 16, 8, 128.0}, {0, 32, 8, 8, 0.0}};
+  const auto regions = regionsOf(blocks, 40, 36);
+  ASSERT_EQ(regions.size(), 9u);
+  const double mean = (512.0 + 64.0 + 64.0) / 3.0;
+  EXPECT_DOUBLE_EQ(regions[0].importance, 512.0 / mean);
+  EXPECT_DOUBLE_EQ(regions[4].importance, 64.0 / mean);  // (1, 1)
+  EXPECT_DOUBLE_EQ(regions[5].importance, 64.0 / mean);
+  EXPECT_DOUBLE_EQ(regions[6].importance, 0.25);
+  EXPECT_DOUBLE_EQ(regions[1].importance, 0.25);
+  EXPECT_EQ(regions[5].x, 32);
+  EXPECT_EQ(regions[5].width, 8);
+  EXPECT_EQ(regions[8].height, 4);
+  EXPECT_TRUE(regionsOf({}, 64, 64).empty());
+}
+
+TEST(Regions, ImportanceStaysWithinTwoHalvings) {
+  const std::vector<ShownBlock> blocks = {{0, 0, 16, 16, 1e6},  {16, 0, 16, 16, 1.0}, {32, 0, 16, 16, 1.0},
+                                          {48, 0, 16, 16, 1.0}, {64, 0, 16, 16, 1.0}, {80, 0, 16, 16, 1.0}};
+  const auto regions = regionsOf(blocks, 96, 16);
+  EXPECT_EQ(regions[0].importance, 4.0);
+  EXPECT_EQ(regions[1].importance, 0.25);
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ struct ServeOptions {
   std::string chroma = "420";
   int iFrames = 60;
   std::string encoder;
+  bool regions = true;
   std::string token;
   std::string keys;
   int frames = 0;
@@ -64,6 +65,7 @@ Result<void> serve(const ServeOptions& options) {
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   setup->request = {.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = false};
+  setup->visiblePixels = options.regions;
   setup->progress = step;
   auto engine = Engine::create(**context, std::move(*scene), std::move(*stage), *setup);
   if (!engine) return tl::unexpected(engine.error());
@@ -157,6 +159,8 @@ Run addServe(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--encoder", options->encoder,
                      "libavcodec's name of one; else the first of several that opens");
+  command.add_flag("--no-regions{false}", options->regions,
+                   "spend bits alike on all of the atlas, not more where more pixels show it");
   command.add_option("--token", options->token,
                      "that a viewer must give too; needed for all but loopback addresses");
   command.add_option("--keys", options->keys, "folder of the certificate and of who was paired");

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/measure/statistics.hpp"
+#include "engine/stream/regions.hpp"
 
 namespace tessera::app {
 
@@ -186,12 +187,15 @@ Result<void> Streaming::frame(double time) {
   if (!packed) return packed;
   std::vector<wire::VisibleElement> elements;
   std::vector<wire::ObjectTransform> objects;
+  std::vector<Region> regions;
   timed(times_.read, [&] {
     elements = feed_.visible(engine_);
     objects = feed_.objects(engine_);
+    // None where the engine does not count pixels.
+    regions = regionsOf(shownBlocks(engine_, elements), atlas.width(), atlas.height());
   });
   // Before the messages, so that both are made at once.
-  coding_.push(std::move(planes->planes), frame_, iFrame);
+  coding_.push(std::move(planes->planes), frame_, iFrame, std::move(regions));
   timed(times_.meta, [&] { tellFrame(time, iFrame, elements, objects); });
   return {};
 }

@@ -101,8 +101,8 @@ struct Engine::State {
   PictureTarget picture;
   PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
   gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
-  PictureTarget distorted;   // of distort(), without depth
-  bool throughLens = false;  // which of the two color() is
+  PictureTarget distorted;    // of distort(), without depth
+  bool throughLens = false;   // which of the two color() is
   IdTarget id;
   IdTarget idLayers;
   bool idsInLayers = false;  // which of the two findVisible drew last

@@ -103,6 +103,7 @@ class Engine {
   /// set (see predictedViews and widened). Views of one size in a row at one time, or in a scene that nothing
   /// moves in, are drawn in one pass where the context can. Afterwards the scene is again as of the last
   /// update().
+  /// A view that is the same as the one before it is drawn once.
   void findVisible(std::span<const TimedView> views);
   /// Places the visible set for these views, at most kMaxViews (the largest over them counts), with fewer
   /// texels where the options say that fewer are seen. The program of a combination of options is compiled at

@@ -24,6 +24,8 @@ struct View {
   int width = 1280;                    // pixels
   int height = 720;
 
+  bool operator==(const View&) const = default;
+
   /// r / f of Mueller 2021, eq. 3.1, taken along the height: pixels are square.
   [[nodiscard]] double pixelsPerRadian() const { return static_cast<double>(height) / fovY; }
 };

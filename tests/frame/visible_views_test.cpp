@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "engine/frame/engine.hpp"
@@ -186,6 +187,24 @@ TEST_F(VisibleViews, IdsOfTheLastViewAreShown) {
   auto first = together->debugView(DebugView::Ids, views[0]);
   ASSERT_TRUE(first) << first.error().message;
   EXPECT_NE(first->pixels, shown[1].pixels);
+}
+
+TEST_F(VisibleViews, AViewThatComesAgainIsDrawnOnce) {
+  EngineOptions options;
+  options.visiblePixels = true;
+  auto engine = make(false, boards(), options);
+  ASSERT_TRUE(engine);
+  const auto views = eyes(2);
+  const auto pixels = [&](const std::vector<View>& of) {
+    engine->findVisible(of);
+    const auto counts = engine->readVisiblePixels();
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+  };
+  const auto once = pixels({views[0], views[1]});
+  EXPECT_GT(once, 1000u);
+  EXPECT_EQ(pixels({views[0], views[0], views[0], views[1], views[1]}), once);
+  // Only of neighbours, as predicted views are: the first again counts.
+  EXPECT_GT(pixels({views[0], views[1], views[0]}), once);
 }
 
 TEST_F(VisibleViews, PixelsAreCountedOverAllViews) {

@@ -42,6 +42,8 @@ Result<void> check(const PvsOptions& options) {
 }
 
 View moved(const View& a, const View& b, double fraction) {
+  // Who stands still is not turned by rounding.
+  if (a == b) return b;
   const double ahead = fraction - 1.0;
   View result = b;
   result.eye += ahead * (b.eye - a.eye);

@@ -280,5 +280,15 @@ TEST(PvsOptions, AreChecked) {
   refused({.margin = 1.0}, "margin of 57.2");
 }
 
+TEST(PredictedViews, OfWhoStandsStillAreThereToTheBit) {
+  // A turn whose axes are no round numbers.
+  const View view = lookAt({0.1, 1.7, -0.3}, {2.3, 0.9, 4.1}, 57.0, 640, 360, 0.05);
+  PoseTrack track;
+  ASSERT_TRUE(track.add({0.0, view}));
+  ASSERT_TRUE(track.add({0.3, view}));
+  for (const TimedView& predicted : predictedViews(track, {}, {.latency = 0.1, .steps = 7}))
+    EXPECT_TRUE(predicted.view == view) << predicted.time;
+}
+
 }  // namespace
 }  // namespace tessera

@@ -63,6 +63,7 @@ Result<StreamedDisplay> StreamedDisplay::create(const gl::Context& context, cons
   if (!atlas) return tl::unexpected(atlas.error());
   display.atlas_.emplace(std::move(*atlas));
   display.vertexArray_ = gl::VertexArray::make();
+  display.indexed_ = gl::VertexArray::make();
   display.farSamples_ = gl::Query(GL_SAMPLES_PASSED);
   return display;
 }
@@ -73,7 +74,16 @@ Result<void> StreamedDisplay::prepare(const ShadedFrame& frame) {
   if (!frame.masks->empty()) defines["MASK"] = "";
   auto program = programs_->get({"pass/streamed.vert", "pass/streamed.frag"}, defines);
   if (!program) return tl::unexpected(program.error());
+  order_.take(frame);
+  const gl::Program* blended = nullptr;
+  if (!order_.empty()) {
+    defines["BLEND"] = "";
+    auto own = programs_->get({"pass/streamed.vert", "pass/streamed.frag"}, defines);
+    if (!own) return tl::unexpected(own.error());
+    blended = *own;
+  }
   program_ = *program;
+  blended_ = blended;
   return {};
 }
 
@@ -120,6 +130,8 @@ void StreamedDisplay::begin(const wire::Camera& camera) {
     depth_ = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
     const std::array<const gl::Texture*, 1> colors = {&encoded_};
     framebuffer_ = gl::Framebuffer(colors, &depth_);
+    const std::array<const gl::Texture*, 1> linear = {&color_};
+    linearFramebuffer_ = gl::Framebuffer(linear, &depth_);
   }
   gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
   gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true});
@@ -128,9 +140,8 @@ void StreamedDisplay::begin(const wire::Camera& camera) {
   gl::api().BindVertexArray(vertexArray_.get());
 }
 
-void StreamedDisplay::drawPart(const wire::Camera& camera, Region part) {
+void StreamedDisplay::bind(const gl::Program& program, const wire::Camera& camera, Region part) {
   gl::api().Viewport(part.x, 0, part.width, static_cast<int>(camera.height));
-  if (program_ == nullptr || triangleCount_ == 0) return;
   // In double up to here: what remains are the distances that the picture is made of.
   std::vector<glm::vec4> rows;
   rows.reserve(3 * transforms_.size());
@@ -139,14 +150,14 @@ void StreamedDisplay::drawPart(const wire::Camera& camera, Region part) {
       rows.emplace_back(object.world[0][row], object.world[1][row], object.world[2][row],
                         object.world[3][row] - camera.eye[row]);
   store(objects_, rows);
-  program_->use();
+  program.use();
   const glm::mat4 toClip(viewProjection(camera));
   const glm::vec3 shaded(shadedEye_ - camera.eye);
   const glm::vec2 texel(1.0f / static_cast<float>(atlas_->texture().width()),
                         1.0f / static_cast<float>(atlas_->texture().height()));
-  gl::api().ProgramUniformMatrix4fv(program_->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(toClip));
-  gl::api().ProgramUniform3fv(program_->get(), LOCATION_STREAMED_SHADED, 1, &shaded.x);
-  gl::api().ProgramUniform2fv(program_->get(), LOCATION_SIZE, 1, &texel.x);
+  gl::api().ProgramUniformMatrix4fv(program.get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(toClip));
+  gl::api().ProgramUniform3fv(program.get(), LOCATION_STREAMED_SHADED, 1, &shaded.x);
+  gl::api().ProgramUniform2fv(program.get(), LOCATION_SIZE, 1, &texel.x);
   vertices_.bindStorage(BIND_STREAMED_VERTICES);
   triangles_.bindStorage(BIND_STREAMED_TRIANGLES);
   elements_.bindStorage(BIND_STREAMED_ELEMENTS);
@@ -157,10 +168,24 @@ void StreamedDisplay::drawPart(const wire::Camera& camera, Region part) {
   alpha_.bindStorage(BIND_STREAMED_ALPHA);
   // Encoded texels to an encoded picture, as the engine displays an atlas of 8 bits.
   atlas_->encoded().bind(UNIT_ATLAS);
+}
+
+void StreamedDisplay::drawOpaque(const wire::Camera& camera, Region part) {
+  if (program_ == nullptr || triangleCount_ == 0) return;
+  bind(*program_, camera, part);
   gl::api().DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * triangleCount_));
 }
 
-void StreamedDisplay::end() {
+void StreamedDisplay::drawBlended(const wire::Camera& camera, Region part) {
+  const std::vector<std::uint32_t>& corners = order_.sorted(camera);
+  if (corners.empty()) return;
+  store(indices_, corners);
+  gl::api().VertexArrayElementBuffer(indexed_.get(), indices_.get());
+  bind(*blended_, camera, part);
+  gl::api().DrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT, nullptr);
+}
+
+void StreamedDisplay::drawBackground() {
   gl::api().Viewport(0, 0, color_.width(), color_.height());
   gl::apply({.depth = gl::DepthTest::GreaterEqual});
   const glm::vec3& b = options_.background;
@@ -171,25 +196,36 @@ void StreamedDisplay::end() {
   gl::api().DrawArrays(GL_TRIANGLES, 0, 3);
   farSamples_.end();
   counted_ = true;
+}
+
+void StreamedDisplay::drawParts(const wire::Camera& whole, std::span<const Part> parts) {
+  begin(whole);
+  for (const Part& part : parts) drawOpaque(part.camera, part.region);
+  drawBackground();
+  if (!order_.empty()) {
+    // As the engine: over the background too, in linear light.
+    gl::api().BindFramebuffer(GL_FRAMEBUFFER, linearFramebuffer_.get());
+    gl::apply({.depth = gl::DepthTest::GreaterEqual, .blend = true, .encodeSrgb = true});
+    gl::api().BindVertexArray(indexed_.get());
+    for (const Part& part : parts) drawBlended(part.camera, part.region);
+  }
   gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT);
 }
 
 void StreamedDisplay::draw(const wire::Camera& camera) {
   const auto guard = gl::guardHost(*context_);
-  begin(camera);
-  drawPart(camera, {0, static_cast<int>(camera.width)});
-  end();
+  const std::array parts = {Part{camera, {0, static_cast<int>(camera.width)}}};
+  drawParts(camera, parts);
 }
 
 void StreamedDisplay::drawStereo(const wire::Camera& camera, double eyeDistance) {
   const auto guard = gl::guardHost(*context_);
   const int half = static_cast<int>(camera.width) / 2;
   if (half == 0) return draw(camera);
-  begin(camera);
   const wire::Camera narrow = resized(camera, static_cast<std::uint32_t>(half), camera.height);
-  drawPart(eyeOf(narrow, eyeDistance, -1), {0, half});
-  drawPart(eyeOf(narrow, eyeDistance, 1), {half, half});
-  end();
+  const std::array parts = {Part{eyeOf(narrow, eyeDistance, -1), {0, half}},
+                            Part{eyeOf(narrow, eyeDistance, 1), {half, half}}};
+  drawParts(camera, parts);
 }
 
 Image StreamedDisplay::read() const {

@@ -1,4 +1,5 @@
-// Draws a shaded frame for any camera, by one draw call and without a scene.
+// Draws a shaded frame for any camera without a scene: by one draw call what is opaque, by one more, back to
+// front, what is blended.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,7 @@
 #include "codec/wire/geometry.hpp"
 #include "engine/gl/program.hpp"
 #include "engine/image/image.hpp"
+#include "engine/view/back_to_front.hpp"
 #include "engine/view/shaded_frame.hpp"
 #include "engine/yuv/unpacker.hpp"
 
@@ -39,7 +41,7 @@ class StreamedDisplay {
   /// Draws color() over a framebuffer's (0, 0, width, height), texel for pixel.
   void blit(unsigned framebuffer, int width, int height) const;
 
-  /// Pixels of the last picture that no triangle covers; waits for the GPU. Nothing before a picture.
+  /// Pixels of the last picture that no opaque triangle covers; waits for the GPU. Nothing before a picture.
   [[nodiscard]] std::optional<std::uint64_t> uncovered() const;
 
  private:
@@ -50,13 +52,21 @@ class StreamedDisplay {
   Result<void> prepare(const ShadedFrame& frame);
   void uploadMasks(const ShadedFrame& frame);
   void begin(const wire::Camera& camera);
-  void drawPart(const wire::Camera& camera, Region part);
-  void end();
+  void bind(const gl::Program& program, const wire::Camera& camera, Region part);
+  void drawOpaque(const wire::Camera& camera, Region part);
+  void drawBackground();
+  void drawBlended(const wire::Camera& camera, Region part);
+  struct Part {
+    wire::Camera camera;
+    Region region;
+  };
+  void drawParts(const wire::Camera& whole, std::span<const Part> parts);
 
   const gl::Context* context_ = nullptr;
   DisplayOptions options_;
   std::unique_ptr<gl::ProgramCache> programs_;
   const gl::Program* program_ = nullptr;
+  const gl::Program* blended_ = nullptr;
   const gl::Program* far_ = nullptr;
   std::optional<YuvUnpacker> atlas_;
   gl::VertexArray vertexArray_;
@@ -64,9 +74,13 @@ class StreamedDisplay {
   std::vector<wire::ObjectTransform> transforms_;
   std::shared_ptr<const std::vector<wire::MaskImage>> uploadedMasks_;
   std::size_t triangleCount_ = 0;
+  BackToFront order_;
+  gl::Buffer indices_;
+  gl::VertexArray indexed_;
   glm::dvec3 shadedEye_{0.0};
   gl::Texture color_, encoded_, depth_;
-  gl::Framebuffer framebuffer_;
+  gl::Framebuffer framebuffer_;        // of encoded_: texels are copied as they are
+  gl::Framebuffer linearFramebuffer_;  // of color_
   gl::Query farSamples_;
   bool counted_ = false;
 };

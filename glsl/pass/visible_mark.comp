@@ -12,15 +12,7 @@ uint idAt(ivec2 pixel) { return texelFetch(uIds, ivec3(pixel, gl_WorkGroupID.z),
 layout(binding = UNIT_ID) uniform usampler2D uIds;
 uint idAt(ivec2 pixel) { return texelFetch(uIds, pixel, 0).r; }
 #endif
-layout(std430, binding = BIND_VISIBLE) buffer Visible { uint visibleCount; uint visibleIds[]; };
-layout(std430, binding = BIND_VISIBLE_MARK) coherent buffer Marks { uint marks[]; };
-layout(location = LOCATION_FRAME) uniform uint uFrame;
-
-#ifdef TRIANGLES
-uint elementOf(uint id) { return id - 4u; }  // see triangleNumber
-#else
-uint elementOf(uint id) { return (id >> 2u) - 1u; }
-#endif
+#include "lib/visible_mark.glsl"
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -30,8 +22,5 @@ void main() {
   if (id == 0u) return;
   // Of a run of equal ids along x only the first asks: most pixels end here.
   if (gl_LocalInvocationID.x > 0u && elementOf(idAt(pixel - ivec2(1, 0))) == elementOf(id)) return;
-  uint element = elementOf(id);
-  if (marks[element] == uFrame) return;
-  if (atomicExchange(marks[element], uFrame) == uFrame) return;
-  visibleIds[atomicAdd(visibleCount, 1u)] = element;
+  markVisible(elementOf(id));
 }

@@ -1,13 +1,11 @@
 // The viewer's picture against the engine's own display of the same atlas.
 #include "engine/view/display.hpp"
 
-#include "codec/video.hpp"
-#include "engine/measure/metrics.hpp"
 #include "engine/stream/feed.hpp"
 #include "engine/view/camera.hpp"
-#include "engine/yuv/packer.hpp"
 #include "tests/frame/small_scenes.hpp"
 #include "tests/gl_test.hpp"
+#include "tests/view/streamed.hpp"
 
 namespace tessera {
 namespace {
@@ -20,94 +18,16 @@ struct Pictures {
   std::uint64_t uncovered = 0;
 };
 
-double psnrOf(const Pictures& pictures) {
-  const auto value = psnr(pictures.engine, pictures.viewer);
-  if (!value) ADD_FAILURE() << value.error().message;
-  return value.value_or(0.0);
-}
-
-/// Through H.264, with little loss.
-YuvImage coded(const YuvImage& planes) {
-  EncoderOptions options;
-  options.width = planes.width;
-  options.height = planes.height;
-  options.chroma = planes.chroma;
-  options.rate = RateControl::ConstantQuality;
-  options.quality = 12.0;
-  options.encoders = {"libx264"};
-  auto encoder = VideoEncoder::create(options);
-  auto decoder = VideoDecoder::create();
-  if (!encoder || !decoder) {
-    ADD_FAILURE() << (encoder ? decoder.error().message : encoder.error().message);
-    return planes;
-  }
-  const auto packet = encoder->encode(planes.view(), 1);
-  if (!packet) {
-    ADD_FAILURE() << packet.error().message;
-    return planes;
-  }
-  const Decoded decoded = decoder->decode(packet->bytes);
-  if (!decoded.picture) {
-    ADD_FAILURE() << decoded.detail;
-    return planes;
-  }
-  auto rgb = toRgb(*decoded.picture);
-  return std::move(*toYuv(*rgb, planes.chroma));
-}
-
 /// Shaded for one view, displayed for another.
 Pictures drawn(Scene scene, GathererKind gatherer, const View& shaded, const View& shown) {
   Pictures pictures;
-  EngineOptions options;
-  options.gatherer = gatherer;
-  options.request.forward = false;
-  options.atlas.memory.width = options.atlas.memory.height = 1024;
-  // Before the engine takes the scene, which keeps no pixels.
-  auto masks = std::make_shared<const std::vector<wire::MaskImage>>(masksOf(scene));
-  auto engine = Engine::create(test::context(), std::move(scene), std::nullopt, options);
-  if (!engine) {
-    ADD_FAILURE() << engine.error().message;
-    return pictures;
-  }
-  Engine& e = **engine;
-  e.update(0.0);
-  e.findVisible({&shaded, 1});
-  if (auto placed = e.place({&shaded, 1}); !placed) ADD_FAILURE() << placed.error().message;
-  e.shade(shaded);
-  e.display(shown);
-  pictures.engine = e.readColor();
-
-  const GeometryFeed feed(e);
-  wire::VisibleDelta delta(feed.source());
-  const auto elements = feed.visible(e);
-  const auto objects = feed.objects(e);
-  const wire::Camera camera = cameraOf(shaded);
-  const auto message = delta.next({elements, objects, {}, wire::boundOf(camera, 0.01, 0.0), camera.eye});
-  const gl::Texture& atlas = e.gatherer()->atlas().encoded;
-  auto packer = YuvPacker::create(test::context(), atlas.width(), atlas.height(), Chroma::Yuv444);
-  if (!packer || !packer->pack(atlas, 1)) {
-    ADD_FAILURE() << "the atlas gives no planes";
-    return pictures;
-  }
-  const YuvImage planes = packer->read()->planes;
-  view::ShadedFrame frame;
-  frame.atlas = coded(planes);
-  frame.header.camera = camera;
-  wire::VisibleMirror mirror(feed.source().method, {static_cast<std::uint32_t>(planes.width),
-                                                    static_cast<std::uint32_t>(planes.height)});
-  if (auto applied = mirror.apply(message); !applied) ADD_FAILURE() << applied.error().message;
-  frame.masks = std::move(masks);
-  frame.take(mirror);
-
-  auto display = view::StreamedDisplay::create(test::context());
-  if (!display) {
-    ADD_FAILURE() << display.error().message;
-    return pictures;
-  }
-  if (auto uploaded = display->upload(frame); !uploaded) ADD_FAILURE() << uploaded.error().message;
-  display->draw(cameraOf(shown));
-  pictures.viewer = display->read();
-  pictures.uncovered = display->uncovered().value_or(0);
+  test::Streamed both = test::streamed(std::move(scene), gatherer, shaded);
+  if (!both) return pictures;
+  both.engine->display(shown);
+  pictures.engine = both.engine->readColor();
+  both.display->draw(cameraOf(shown));
+  pictures.viewer = both.display->read();
+  pictures.uncovered = both.display->uncovered().value_or(0);
   return pictures;
 }
 
@@ -117,7 +37,7 @@ void compare(GathererKind gatherer) {
   const View shaded = corner({3.0, 2.0, 2.0});
   for (const glm::dvec3& eye : {glm::dvec3(3.0, 2.0, 2.0), glm::dvec3(2.7, 2.1, 1.8)}) {
     const Pictures pictures = drawn(test::cornerScene(), gatherer, shaded, corner(eye));
-    const double quality = psnrOf(pictures);
+    const double quality = test::psnrOf(pictures.engine, pictures.viewer);
     std::printf("PSNR %.2f dB, %llu pixels uncovered\n", quality,
                 static_cast<unsigned long long>(pictures.uncovered));
     EXPECT_GE(quality, 40.0);
@@ -148,7 +68,7 @@ Scene leafScene() {
 void compareMasked(GathererKind gatherer) {
   const View view = corner({3.0, 2.0, 2.0});
   const Pictures pictures = drawn(leafScene(), gatherer, view, view);
-  EXPECT_GE(psnrOf(pictures), 35.0);
+  EXPECT_GE(test::psnrOf(pictures.engine, pictures.viewer), 35.0);
   // Holes show what is behind, and what is behind was not hidden when it was shaded.
   const Pictures without = drawn(test::cornerScene(), gatherer, view, view);
   std::size_t leaf = 0;

@@ -12,8 +12,8 @@ namespace {
 
 using VisibleViews = test::GlTest;
 
-/// Boards at several depths: several instances of one mesh, one of them mirrored, and one with holes by
-/// alpha.
+/// Boards at several depths: several instances of one mesh, one of them mirrored, one with holes by alpha,
+/// and one of glass.
 Scene boards() {
   Scene scene = test::emptyScene();
   Material holes;
@@ -27,13 +27,21 @@ Scene boards() {
   const auto masked = test::addMaterial(scene, holes);
   const auto board = test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 8, 8);
   const auto sieve = test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 6, 6, masked);
+  Material glass;
+  glass.alphaMode = AlphaMode::Blend;
+  const auto pane =
+      test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 5, 5, test::addMaterial(scene, glass));
   const auto wall = test::addGrid(scene, {-6, -4, -8}, {12, 0, 0}, {0, 8, 0}, 40, 30);
   for (int i = 0; i < 5; ++i) {
     Node node;
     node.translation = {-2.0 + i, 0.2 * i - 0.4, -3.0 - 0.4 * i};
     if (i == 3) node.scale = {-1, 1, 1};
     scene.nodes.push_back(node);
-    test::place(scene, i == 2 ? sieve : board, static_cast<std::uint32_t>(scene.nodes.size() - 1));
+    test::place(scene,
+                i == 2   ? sieve
+                : i == 1 ? pane
+                         : board,
+                static_cast<std::uint32_t>(scene.nodes.size() - 1));
   }
   test::place(scene, wall, 0);
   test::finish(scene);
@@ -45,6 +53,7 @@ std::unique_ptr<Engine> make(bool layers, Scene scene = boards()) {
   options.atlas.memory.width = options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
   options.request.displayDeferred = true;
+  options.request.blended = true;
   options.idLayers = layers;
   auto engine = Engine::create(test::context(), std::move(scene), {}, options);
   if (!engine) {

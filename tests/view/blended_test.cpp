@@ -42,6 +42,10 @@ Scene panes(bool sheet = false) {
     test::place(scene, test::addGrid(scene, {-0.2f, -0.2f, -2.0f}, {0.7f, 0, 0}, {0, 0.6f, 0}, 2, 2,
                                      test::addMaterial(scene, material)));
   }
+  // A part of the red pane's alpha is its corners'.
+  Primitive& own = scene.primitives[2];
+  own.hasColor = true;
+  for (std::uint32_t i = 0; i < own.vertexCount; ++i) scene.vertices.color[own.firstVertex + i].a = 0.8f;
   test::finish(scene);
   return scene;
 }

@@ -90,7 +90,7 @@ struct Engine::State {
   std::vector<BatchPrograms> batchPrograms;
   std::vector<BlendedPrograms> blendedPrograms;  // one a blended instance
   const gl::Program* deferred = nullptr;
-  const gl::Program* distort = nullptr;
+  std::optional<LensPass> distort;
   const gl::Program* upsampleRows = nullptr;
   const gl::Program* upsampleColumns = nullptr;
   const gl::Program* warp = nullptr;

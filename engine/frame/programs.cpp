@@ -51,8 +51,12 @@ Result<void> Engine::State::compile() {
   if (has("upsample-rows")) upsampleRows = get({"pass/lanczos.comp"}, {});
   if (has("upsample-columns")) upsampleColumns = get({"pass/lanczos.comp"}, {{"COLUMNS", "1"}});
   if (has("warp")) warp = get({"pass/warp.vert", "pass/warp.frag"}, {});
-  if (has("distort")) distort = get({"pass/distort.comp"}, {});
   if (!error.empty()) return fail("{}", error);
+  if (has("distort")) {
+    auto lens = LensPass::create(programs);
+    if (!lens) return tl::unexpected(lens.error());
+    distort = *lens;
+  }
   return {};
 }
 

@@ -51,6 +51,8 @@ glsl::StreamedMask appendMask(const wire::MaskImage& mask, std::vector<std::uint
 }  // namespace
 
 Result<StreamedDisplay> StreamedDisplay::create(const gl::Context& context, const DisplayOptions& options) {
+  if (options.lens)
+    if (auto good = check(*options.lens); !good) return tl::unexpected(good.error());
   StreamedDisplay display;
   display.context_ = &context;
   display.options_ = options;
@@ -59,6 +61,11 @@ Result<StreamedDisplay> StreamedDisplay::create(const gl::Context& context, cons
   auto far = display.programs_->get({"pass/streamed_far.vert", "pass/streamed_far.frag"});
   if (!far) return tl::unexpected(far.error());
   display.far_ = *far;
+  if (options.lens) {
+    auto lens = LensPass::create(*display.programs_);
+    if (!lens) return tl::unexpected(lens.error());
+    display.lens_ = *lens;
+  }
   auto atlas = YuvUnpacker::create(context);
   if (!atlas) return tl::unexpected(atlas.error());
   display.atlas_.emplace(std::move(*atlas));
@@ -121,22 +128,32 @@ Result<void> StreamedDisplay::upload(const ShadedFrame& frame) {
   return {};
 }
 
+bool StreamedDisplay::Picture::resize(int width, int height, const gl::Texture* depth) {
+  if (color && color.width() == width && color.height() == height) return false;
+  *this = {};
+  color = gl::Texture(GL_SRGB8_ALPHA8, width, height);
+  color.filter(GL_LINEAR, GL_LINEAR);
+  color.wrap(GL_CLAMP_TO_EDGE);
+  encoded = color.view(GL_RGBA8);
+  const std::array<const gl::Texture*, 1> colors = {&encoded};
+  copy = gl::Framebuffer(colors, depth);
+  gl::api().ClearTexImage(color.get(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  return true;
+}
+
 void StreamedDisplay::begin(const wire::Camera& camera) {
   const int width = static_cast<int>(camera.width);
   const int height = static_cast<int>(camera.height);
-  if (!color_ || color_.width() != width || color_.height() != height) {
-    color_ = gl::Texture(GL_SRGB8_ALPHA8, width, height);
-    encoded_ = color_.view(GL_RGBA8);
+  if (!depth_ || depth_.width() != width || depth_.height() != height)
     depth_ = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
-    const std::array<const gl::Texture*, 1> colors = {&encoded_};
-    framebuffer_ = gl::Framebuffer(colors, &depth_);
-    const std::array<const gl::Texture*, 1> linear = {&color_};
+  if (picture_.resize(width, height, &depth_)) {
+    const std::array<const gl::Texture*, 1> linear = {&picture_.color};
     linearFramebuffer_ = gl::Framebuffer(linear, &depth_);
   }
-  gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
+  gl::api().BindFramebuffer(GL_FRAMEBUFFER, picture_.copy.get());
   gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true});
   constexpr float kFarthest = 0.0f;
-  gl::api().ClearNamedFramebufferfv(framebuffer_.get(), GL_DEPTH, 0, &kFarthest);
+  gl::api().ClearNamedFramebufferfv(picture_.copy.get(), GL_DEPTH, 0, &kFarthest);
   gl::api().BindVertexArray(vertexArray_.get());
 }
 
@@ -186,7 +203,7 @@ void StreamedDisplay::drawBlended(const wire::Camera& camera, Region part) {
 }
 
 void StreamedDisplay::drawBackground() {
-  gl::api().Viewport(0, 0, color_.width(), color_.height());
+  gl::api().Viewport(0, 0, picture_.color.width(), picture_.color.height());
   gl::apply({.depth = gl::DepthTest::GreaterEqual});
   const glm::vec3& b = options_.background;
   const glm::vec4 background(glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g), glsl::encodeSrgb(b.b), 0.0f);
@@ -209,7 +226,27 @@ void StreamedDisplay::drawParts(const wire::Camera& whole, std::span<const Part>
     gl::api().BindVertexArray(indexed_.get());
     for (const Part& part : parts) drawBlended(part.camera, part.region);
   }
-  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT);
+  if (lens_) seeThroughLens(parts);
+  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+void StreamedDisplay::seeThroughLens(std::span<const Part> parts) {
+  lensed_.resize(picture_.color.width(), picture_.color.height());
+  if (parts.size() == 1) return lens_->draw(picture_.color, lensed_.encoded, *options_.lens);
+  const int height = picture_.color.height();
+  const auto copy = [height](const Picture& from, int fromX, const Picture& to, int toX, int width) {
+    gl::api().CopyImageSubData(from.color.get(), GL_TEXTURE_2D, 0, fromX, 0, 0, to.color.get(), GL_TEXTURE_2D,
+                               0, toX, 0, 0, width, height, 1);
+  };
+  for (const Part& part : parts) {
+    eye_.resize(part.region.width, height);
+    lensedEye_.resize(part.region.width, height);
+    copy(picture_, part.region.x, eye_, 0, part.region.width);
+    lens_->draw(eye_.color, lensedEye_.encoded, *options_.lens);
+    gl::api().MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+    copy(lensedEye_, 0, lensed_, part.region.x, part.region.width);
+  }
 }
 
 void StreamedDisplay::draw(const wire::Camera& camera) {
@@ -229,16 +266,17 @@ void StreamedDisplay::drawStereo(const wire::Camera& camera, double eyeDistance)
 }
 
 Image StreamedDisplay::read() const {
-  return flipped(color_.width(), color_.height(), gl::readTexture(encoded_, GL_RGBA, GL_UNSIGNED_BYTE, 4));
+  const gl::Texture& encoded = shown().encoded;
+  return flipped(encoded.width(), encoded.height(), gl::readTexture(encoded, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }
 
 void StreamedDisplay::blit(unsigned framebuffer, int width, int height) const {
-  if (!framebuffer_) return;
+  if (!shown().copy) return;
   const auto guard = gl::guardHost(*context_);
   gl::apply({});
-  const int w = std::min(width, color_.width());
-  const int h = std::min(height, color_.height());
-  gl::api().BlitNamedFramebuffer(framebuffer_.get(), framebuffer, 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT,
+  const int w = std::min(width, shown().color.width());
+  const int h = std::min(height, shown().color.height());
+  gl::api().BlitNamedFramebuffer(shown().copy.get(), framebuffer, 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT,
                                  GL_NEAREST);
 }
 

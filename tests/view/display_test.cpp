@@ -1,6 +1,7 @@
 // The viewer's picture against the engine's own display of the same atlas.
 #include "engine/view/display.hpp"
 
+#include "engine/measure/metrics.hpp"
 #include "engine/stream/feed.hpp"
 #include "engine/view/camera.hpp"
 #include "tests/frame/small_scenes.hpp"
@@ -90,6 +91,50 @@ void compareMasked(GathererKind gatherer) {
 
 TEST_F(ViewDisplay, MasksHaveTheirHolesRect) { compareMasked(GathererKind::Rect); }
 TEST_F(ViewDisplay, MasksHaveTheirHolesTess) { compareMasked(GathererKind::Tess); }
+
+TEST_F(ViewDisplay, TheLensIsTheEnginesForEachEye) {
+  const View view = corner({3.0, 2.0, 2.0});
+  const Lens lens{0.5, 0.3, {0.98, 1.0, 1.03}};
+  test::Streamed both = test::streamed(test::cornerScene(), GathererKind::Rect, view, {.lens = lens});
+  ASSERT_TRUE(both);
+  const auto engines = [&](const View& shown) {
+    both.engine->display(shown);
+    auto bent = both.engine->distort(lens);
+    EXPECT_TRUE(bent) << bent.error().message;
+    return both.engine->readColor();
+  };
+  both.display->draw(cameraOf(view));
+  const Image one = both.display->read();
+  EXPECT_GE(test::psnrOf(engines(view), one), 40.0);
+  both.engine->display(view);
+  const auto straight = psnr(both.engine->readColor(), one);
+  ASSERT_TRUE(straight);
+  EXPECT_LT(*straight, 25.0) << "no lens";
+
+  // An odd width: the last column belongs to no eye.
+  constexpr double kEyeDistance = 0.3;
+  View wide = view;
+  wide.width = 2 * view.width + 1;
+  wire::Camera camera = view::resized(cameraOf(view), static_cast<std::uint32_t>(wide.width),
+                                      static_cast<std::uint32_t>(view.height));
+  both.display->drawStereo(camera, kEyeDistance);
+  const Image pair = both.display->read();
+  ASSERT_EQ(pair.width, wide.width);
+  const auto eyes = stereoViews(view, kEyeDistance);
+  for (int side = 0; side < 2; ++side) {
+    Image half{view.width, view.height, std::vector<std::uint8_t>(one.pixels.size())};
+    for (int y = 0; y < half.height; ++y)
+      std::copy_n(pair.at(side * view.width, y), static_cast<std::size_t>(4 * half.width), half.at(0, y));
+    EXPECT_GE(test::psnrOf(engines(eyes[static_cast<std::size_t>(side)]), half), 40.0) << side;
+  }
+  EXPECT_EQ(pair.at(pair.width - 1, 7)[3], 0);
+}
+
+TEST_F(ViewDisplay, RefusesALensThatFolds) {
+  const auto display = view::StreamedDisplay::create(test::context(), {.lens = Lens{-1.0, 0.0, {1, 1, 1}}});
+  ASSERT_FALSE(display);
+  EXPECT_NE(display.error().message.find("lens"), std::string::npos) << display.error().message;
+}
 
 TEST_F(ViewDisplay, ShowsTheBackgroundBeforeTheFirstFrame) {
   auto display = view::StreamedDisplay::create(test::context());

@@ -49,7 +49,8 @@ double psnrOf(const Image& engine, const Image& viewer) {
   return value.value_or(0.0);
 }
 
-Streamed streamed(Scene scene, GathererKind gatherer, const View& shaded) {
+Streamed streamed(Scene scene, GathererKind gatherer, const View& shaded,
+                  const view::DisplayOptions& displayOptions) {
   EngineOptions options;
   options.gatherer = gatherer;
   options.request = {.rect = true, .lens = true, .blended = true};
@@ -90,7 +91,7 @@ Streamed streamed(Scene scene, GathererKind gatherer, const View& shaded) {
   frame.masks = std::move(masks);
   frame.take(mirror);
 
-  auto display = view::StreamedDisplay::create(context());
+  auto display = view::StreamedDisplay::create(context(), displayOptions);
   if (!display) {
     ADD_FAILURE() << display.error().message;
     return result;

@@ -17,7 +17,8 @@ struct Streamed {
 };
 
 /// Shaded for one view. What goes wrong is a failure of the test, and the result is false.
-Streamed streamed(Scene scene, GathererKind gatherer, const View& shaded);
+Streamed streamed(Scene scene, GathererKind gatherer, const View& shaded,
+                  const view::DisplayOptions& displayOptions = {});
 
 /// Decibels, or 0 and a failure of the test.
 double psnrOf(const Image& engine, const Image& viewer);

@@ -51,8 +51,7 @@ void VisibleSet::begin() {
 }
 
 void VisibleSet::add(const gl::Texture& ids) {
-  bind();
-  if (pixels_) pixels_.bindStorage(BIND_VISIBLE_PIXELS);
+  bindMarking();
   ids.bind(UNIT_ID);
   const gl::Program& mark = ids.layers() > 0 ? *markLayers_ : *mark_;
   mark.use();
@@ -76,6 +75,11 @@ void VisibleSet::bind() const {
   dispatch_.bindStorage(BIND_DISPATCH);
 }
 
+void VisibleSet::bindMarking() const {
+  bind();
+  if (pixels_) pixels_.bindStorage(BIND_VISIBLE_PIXELS);
+}
+
 std::vector<std::uint32_t> VisibleSet::read() const {
   const auto count = list_.readAll<std::uint32_t>(1)[0];
   return list_.readAll<std::uint32_t>(count, sizeof(std::uint32_t));
@@ -83,8 +87,7 @@ std::vector<std::uint32_t> VisibleSet::read() const {
 
 std::vector<std::uint32_t> VisibleSet::readPixels() const {
   if (!pixels_) return {};
-  bind();
-  pixels_.bindStorage(BIND_VISIBLE_PIXELS);
+  bindMarking();
   seen_.bindStorage(BIND_VISIBLE_SEEN);
   gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
   inOrder_->use();

@@ -29,6 +29,8 @@ class VisibleSet {
 
   /// Binds list, marks and dispatch arguments for the passes that read them.
   void bind() const;
+  /// The same for passes that mark, see glsl/lib/visible_mark.glsl.
+  void bindMarking() const;
   /// uvec3 of groups of 64 over the list, for glDispatchComputeIndirect at offset 0.
   [[nodiscard]] const gl::Buffer& dispatch() const { return dispatch_; }
   [[nodiscard]] std::uint32_t frame() const { return frame_; }

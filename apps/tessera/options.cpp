@@ -126,9 +126,11 @@ void addSpatial(CLI::App& command, SpatialChoice& choice) {
       ->expected(0, 1);
   command.add_option("--gaze", choice.gaze,
                      "foveate by a JSON file of places over time: [{time, x, y}, ...]");
-  command
-      .add_option("--lens", choice.lens,
-                  "draw through a lens, and shade less where it presses together; k1,k2, else 0.22,0.24")
+  addLens(command, choice.lens, ", and shade less where it presses together");
+}
+
+void addLens(CLI::App& command, std::optional<std::string>& choice, const std::string& beside) {
+  command.add_option("--lens", choice, "draw through a lens" + beside + "; k1,k2, else 0.22,0.24")
       ->expected(0, 1);
 }
 
@@ -325,18 +327,25 @@ Result<SpatialReuse> spatialOf(const SpatialChoice& choice) {
     if (!gaze) return tl::unexpected(gaze.error());
     reuse.gaze = std::move(*gaze);
   }
-  if (choice.lens) reuse.options.lens.emplace();
-  if (choice.lens && !choice.lens->empty()) {
-    auto numbers = parsePair("--lens", *choice.lens);
-    if (!numbers) return tl::unexpected(numbers.error());
-    reuse.options.lens->k1 = numbers->x;
-    reuse.options.lens->k2 = numbers->y;
-  }
+  auto lens = lensOf(choice.lens);
+  if (!lens) return tl::unexpected(lens.error());
+  reuse.options.lens = *lens;
   if (reuse.options.foveation)
     if (auto good = check(*reuse.options.foveation); !good) return tl::unexpected(good.error());
-  if (reuse.options.lens)
-    if (auto good = check(*reuse.options.lens); !good) return tl::unexpected(good.error());
   return reuse;
+}
+
+Result<std::optional<Lens>> lensOf(const std::optional<std::string>& choice) {
+  if (!choice) return std::optional<Lens>();
+  Lens lens;
+  if (!choice->empty()) {
+    auto numbers = parsePair("--lens", *choice);
+    if (!numbers) return tl::unexpected(numbers.error());
+    lens.k1 = numbers->x;
+    lens.k2 = numbers->y;
+  }
+  if (auto good = check(lens); !good) return tl::unexpected(good.error());
+  return lens;
 }
 
 Result<std::optional<Stage>> loadStageOf(const StageChoice& choice) {

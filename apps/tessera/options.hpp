@@ -90,6 +90,8 @@ void addStage(CLI::App& command, StageChoice& choice);
 void addAtlas(CLI::App& command, AtlasChoice& choice);
 void addSpatial(CLI::App& command, SpatialChoice& choice);
 void addPrediction(CLI::App& command, PredictionChoice& choice);
+/// --lens, and what it does beside drawing through one.
+void addLens(CLI::App& command, std::optional<std::string>& choice, const std::string& beside = "");
 
 /// Fails with the first number given that is not finite: CLI11's range checks let NaN pass.
 Result<void> checkFinite(const CLI::App& command);
@@ -98,6 +100,8 @@ Result<std::unique_ptr<gl::Context>> openContext(const ContextChoice& choice);
 Result<glm::ivec2> parseSize(const std::string& text);
 /// "a,b" as two numbers; `option` is what the error calls it.
 Result<glm::dvec2> parsePair(const char* option, const std::string& text);
+/// Nothing without a choice; fails where check() of the lens does.
+Result<std::optional<Lens>> lensOf(const std::optional<std::string>& choice);
 /// The engine's options for an atlas of about `megapixels` (2^20 texels each).
 Result<EngineOptions> engineOptions(const AtlasChoice& choice);
 /// How its texels are shaded.

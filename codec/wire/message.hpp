@@ -121,7 +121,8 @@ struct Geometry {
 };
 
 enum class Wrap : std::uint8_t { Repeat = 1, Clamp = 2, Mirror = 3 };
-/// Alpha of a masked material: what is below the cutoff is a hole.
+/// Alpha of a material. Of a masked one what is below the cutoff is a hole; of elements that are also blended
+/// (kStyleTransparent) it is the share that they cover, and nothing reads the cutoff.
 struct MaskImage {
   std::uint16_t number = 0;  // see styleMask in glsl/shared/streamed.h
   std::uint32_t width = 0;   // [1, kMostMaskSide]

@@ -134,9 +134,10 @@ void Engine::display(const View& view, DisplayMode mode) {
     clear(target, linear ? &linearBackground.x : &background.x);
     for (std::uint32_t first = 0; first < s.draw.batches.size();) {
       const Batch& batch = s.draw.batches[first];
+      if (batch.blend) break;  // the last ones: drawTransparent shows them
       std::uint32_t last = first + 1;
       while (!batch.mask && last < s.draw.batches.size() && !s.draw.batches[last].mask &&
-             s.draw.batches[last].doubleSided == batch.doubleSided)
+             !s.draw.batches[last].blend && s.draw.batches[last].doubleSided == batch.doubleSided)
         ++last;
       const BatchPrograms& programs = s.batchPrograms[first];
       if (batch.mask) {

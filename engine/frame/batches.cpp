@@ -10,6 +10,7 @@ namespace tessera {
 namespace {
 
 struct BatchKey {
+  bool blend;
   bool mask;
   bool doubleSided;
   std::uint32_t material;
@@ -20,11 +21,11 @@ struct BatchKey {
 BatchKey keyOf(const Scene& scene, const Instance& instance) {
   const Primitive& primitive = scene.primitives[instance.primitive];
   const Material& material = scene.materials[primitive.material];
-  return {material.alphaMode == AlphaMode::Mask, material.doubleSided, primitive.material,
-          primitive.hasColor};
+  return {material.alphaMode == AlphaMode::Blend, material.alphaMode == AlphaMode::Mask, material.doubleSided,
+          primitive.material, primitive.hasColor};
 }
 
-void buildAllPatches(const Scene& scene, const PatchOptions& options, DrawScene& draw) {
+void buildAllPatches(const Scene& scene, const PatchOptions& options, bool blended, DrawScene& draw) {
   const auto start = std::chrono::steady_clock::now();
   draw.indices = scene.indices;
   draw.patchOffset.resize(scene.primitives.size());
@@ -33,7 +34,7 @@ void buildAllPatches(const Scene& scene, const PatchOptions& options, DrawScene&
   for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
     const Primitive& primitive = scene.primitives[i];
     draw.patchOffset[i] = static_cast<std::uint32_t>(draw.patches.size());
-    if (scene.materials[primitive.material].alphaMode == AlphaMode::Blend) continue;
+    if (!blended && scene.materials[primitive.material].alphaMode == AlphaMode::Blend) continue;
     const std::span<const std::uint32_t> indices(scene.indices.data() + primitive.firstIndex,
                                                  primitive.indexCount);
     PatchSet set = buildPatches(scene.vertices.position, indices, options);
@@ -51,12 +52,14 @@ void buildAllPatches(const Scene& scene, const PatchOptions& options, DrawScene&
 
 }  // namespace
 
-DrawScene prepare(const Scene& scene, const PatchOptions& options) {
+DrawScene prepare(const Scene& scene, const PatchOptions& options, bool blended) {
   DrawScene draw;
-  buildAllPatches(scene, options, draw);
+  buildAllPatches(scene, options, blended, draw);
   for (const Instance& instance : scene.instances) {
     const Material& material = scene.materials[scene.primitives[instance.primitive].material];
-    (material.alphaMode == AlphaMode::Blend ? draw.blended : draw.instances).push_back(instance);
+    const bool blends = material.alphaMode == AlphaMode::Blend;
+    if (blends) draw.blended.push_back(instance);
+    if (!blends || blended) draw.instances.push_back(instance);
   }
   std::stable_sort(draw.instances.begin(), draw.instances.end(), [&](const Instance& a, const Instance& b) {
     return std::make_tuple(keyOf(scene, a), a.primitive) < std::make_tuple(keyOf(scene, b), b.primitive);
@@ -71,6 +74,7 @@ DrawScene prepare(const Scene& scene, const PatchOptions& options) {
       batch.material = key.material;
       batch.vertexColor = key.vertexColor;
       batch.mask = key.mask;
+      batch.blend = key.blend;
       batch.doubleSided = key.doubleSided;
       batch.firstInstance = static_cast<std::uint32_t>(i);
       batch.firstEntry = draw.entries;
@@ -122,7 +126,7 @@ std::vector<Box> instanceBounds(const Scene& scene, std::span<const Instance> in
 }
 
 DrawList cull(const Scene& scene, const DrawScene& draw, std::span<const Box> bounds,
-              const std::vector<bool>& mirrored, std::span<const Frustum> frusta) {
+              const std::vector<bool>& mirrored, std::span<const Frustum> frusta, bool blended) {
   const auto seen = [&](const Box& box) {
     return std::any_of(frusta.begin(), frusta.end(),
                        [&](const Frustum& frustum) { return frustum.touches(box); });
@@ -130,6 +134,7 @@ DrawList cull(const Scene& scene, const DrawScene& draw, std::span<const Box> bo
   DrawList list;
   for (std::uint32_t b = 0; b < draw.batches.size(); ++b) {
     const Batch& batch = draw.batches[b];
+    if (batch.blend != blended) continue;
     for (const bool side : {false, true}) {
       const auto first = static_cast<std::uint32_t>(list.commands.size());
       std::uint32_t last = kNone;  // the instance that the newest command ends with

@@ -81,7 +81,7 @@ Result<std::unique_ptr<Engine>> Engine::create(gl::Context& context, Scene scene
   s.graph = planFrame(s.features, options.request);
   completeAttributes(s.scene, s.features);
   say("building patches");
-  s.draw = prepare(s.scene, options.patches);
+  s.draw = prepare(s.scene, options.patches, options.request.rect && options.request.blended);
   s.anchor = s.placedAnchor = options.forms.cameraRelative ? s.scene.bounds.centre() : glm::dvec3(0.0);
   say("uploading");
   auto buffers = upload(s.scene, s.draw);
@@ -277,6 +277,9 @@ Result<void> Engine::setSpawn(const TessSpawn& spawn) {
 
 Result<void> Engine::State::makeGatherer(const EngineOptions& wanted) {
   const bool triangles = wanted.gatherer == GathererKind::Tess;
+  if (wanted.gatherer == GathererKind::Texel && graph.find("mark-blended") != nullptr)
+    return fail("{}: texel shading shades what pixels show: of blended surfaces that is no one texel",
+                scene.file);
   const VisibleElement element = triangles ? VisibleElement::Triangle : VisibleElement::Patch;
   // Numbers of triangles leave room for the three of a patch and one more.
   const std::uint32_t elements = draw.patchInstances * (triangles ? 4 : 1);

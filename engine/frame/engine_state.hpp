@@ -43,6 +43,8 @@ struct BatchPrograms {
   const gl::Program* gather = nullptr;
   const gl::Program* id = nullptr;
   const gl::Program* idLayers = nullptr;  // from the first call with several views on
+  const gl::Program* mark = nullptr;      // of a batch that blends, in place of id; the gatherer's
+  const gl::Program* markLayers = nullptr;
   const gl::Program* depthOnly = nullptr;
   const gl::Program* shadow = nullptr;
   std::vector<const gl::Program*>
@@ -89,7 +91,7 @@ struct Engine::State {
   std::vector<BatchPrograms> batchPrograms;
   std::vector<BlendedPrograms> blendedPrograms;  // one a blended instance
   const gl::Program* deferred = nullptr;
-  const gl::Program* distort = nullptr;
+  std::optional<LensPass> distort;
   const gl::Program* upsampleRows = nullptr;
   const gl::Program* upsampleColumns = nullptr;
   std::optional<ImageWarp> warp;
@@ -166,6 +168,10 @@ struct Engine::State {
   [[nodiscard]] const gl::Texture& idDepth() const { return idsInLayers ? idLayers.lastDepth : id.depth; }
   /// Draws the ids of views of one size: of several as layers, which drawsIdLayers() must allow, or of one.
   void drawIds(std::span<const View> views, bool layered);
+  /// Adds to the visible set what blended geometry shows before the depths that drawIds drew.
+  void markBlended(std::span<const View> views, bool layered);
+  /// A list into each of so many layers.
+  void drawLayers(DrawList list, std::size_t layers, const gl::Program* BatchPrograms::*program);
   /// Animated objects to where they are at a time; lights and shadow maps stay.
   void moveObjects(double to);
   [[nodiscard]] const PictureTarget& shown() const { return throughLens ? distorted : picture; }
@@ -190,7 +196,7 @@ struct Engine::State {
   /// Uploads and binds what that permutation reads of each view.
   void setDensities(std::span<const View> views, const PlaceOptions& placing);
   /// What any of the views may see.
-  [[nodiscard]] DrawList visibleDraws(std::span<const View> views) const;
+  [[nodiscard]] DrawList visibleDraws(std::span<const View> views, bool blended = false) const;
   /// Uploads the list's commands and makes them current.
   void useCommands(const DrawList& list);
   void drawRange(const DrawRange& range) const;

@@ -68,10 +68,10 @@ void IdTarget::resize(int width, int height, const DepthForm& form, int layers) 
   lastDepth.filter(GL_NEAREST, GL_NEAREST);
 }
 
-DrawList Engine::State::visibleDraws(std::span<const View> views) const {
+DrawList Engine::State::visibleDraws(std::span<const View> views, bool blended) const {
   std::vector<Frustum> frusta;
   for (const View& view : views) frusta.push_back(frustumOf(viewProjection(view, anchor)));
-  return cull(scene, draw, bounds, mirrored, frusta);
+  return cull(scene, draw, bounds, mirrored, frusta, blended);
 }
 
 void Engine::State::useCommands(const DrawList& list) {
@@ -206,6 +206,7 @@ void Engine::findVisible(std::span<const TimedView> wanted) {
       for (const View& view : drawn) rays.emplace_back(pixelToRay(view));
       s.gatherer()->addViews(ids, rays);
     });
+    s.markBlended(drawn, layered);
     first += drawn.size();
   }
   s.moveObjects(present);
@@ -230,17 +231,40 @@ void Engine::State::drawIds(std::span<const View> views, bool layered) {
     const std::array<GLuint, 4> none = {0, 0, 0, 0};
     gl::api().ClearNamedFramebufferuiv(target.framebuffer.get(), GL_COLOR, 0, none.data());
     clearDepth(target.framebuffer, depth.farthest);
-    DrawList list = visibleDraws(views);
-    if (!layered) {
-      drawDepthList(list, &BatchPrograms::id, true, -1);
-      return;
-    }
-    const auto layers = static_cast<glsl::uint>(views.size());
-    for (glsl::DrawCommand& command : list.commands) command.instanceCount *= layers;
-    for (const BatchPrograms& batch : batchPrograms) batch.idLayers->set(LOCATION_COUNT, layers);
-    buffers.stepInstances(layers);
-    drawDepthList(list, &BatchPrograms::idLayers, true, -1);
-    buffers.stepInstances(1);
+    if (layered)
+      drawLayers(visibleDraws(views), views.size(), &BatchPrograms::idLayers);
+    else
+      drawDepthList(visibleDraws(views), &BatchPrograms::id, true, -1);
+  });
+}
+
+void Engine::State::drawLayers(DrawList list, std::size_t layers,
+                               const gl::Program* BatchPrograms::*program) {
+  const auto count = static_cast<glsl::uint>(layers);
+  for (glsl::DrawCommand& command : list.commands) command.instanceCount *= count;
+  for (const BatchPrograms& batch : batchPrograms)
+    if (batch.*program != nullptr) (batch.*program)->set(LOCATION_COUNT, count);
+  buffers.stepInstances(count);
+  drawDepthList(list, program, true, -1);
+  buffers.stepInstances(1);
+}
+
+void Engine::State::markBlended(std::span<const View> views, bool layered) {
+  pass("mark-blended", [&] {
+    const IdTarget& target = layered ? idLayers : id;
+    // Nothing is written to the target: one blended surface hides no other.
+    beginPass(target.framebuffer, views.front().width, views.front().height, {.depth = depth.nearerOrEqual});
+    gl::api().ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    visible->bindMarking();
+    const auto program = layered ? &BatchPrograms::markLayers : &BatchPrograms::mark;
+    for (const BatchPrograms& batch : batchPrograms)
+      if (batch.*program != nullptr) (batch.*program)->set(LOCATION_FRAME, visible->frame());
+    const DrawList list = visibleDraws(views, true);
+    if (layered)
+      drawLayers(list, views.size(), program);
+    else
+      drawDepthList(list, program, true, -1);
+    gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   });
 }
 

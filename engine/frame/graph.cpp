@@ -102,10 +102,16 @@ FrameGraph planFrame(const SceneFeatures& features, const FrameRequest& request)
     graph.add({"shadow", "shadow", {}, {{"shadow-map", Access::Target}}});
     shadowRead.push_back({"shadow-map", Access::Texture});
   }
-  const bool atlas = request.rect && features.opaque;
+  const bool blended = request.blended && features.blend;
+  const bool atlas = request.rect && (features.opaque || blended);
   if (atlas) {
     graph.add({"id", "visibility", {}, {{"ids", Access::Target}, {"id-depth", Access::Target}}});
     graph.add({"mark", "visibility", {{"ids", Access::Texture}}, {storage("visible-set")}});
+    if (blended)
+      graph.add({"mark-blended",
+                 "visibility",
+                 {{"id-depth", Access::Target}, storage("visible-set")},
+                 {storage("visible-set")}});
     graph.add({"levels",
                "place",
                {storage("visible-set"), {"visible-set", Access::Indirect}},

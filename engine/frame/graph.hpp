@@ -67,6 +67,9 @@ struct FrameRequest {
   bool upsample = false;      // draw forward's picture at a larger size; with forward only
   bool warp = false;          // draw forward's picture as another view sees it; with forward only
   bool lens = false;          // draw the picture of rect or forward through a lens
+  /// With rect: BLEND geometry is in the visible set and the atlas too, its own colour without its alpha, and
+  /// hides nothing there: for viewers that blend it themselves. The engine's own pictures are the same.
+  bool blended = false;
 };
 
 struct SceneFeatures;

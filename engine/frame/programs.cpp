@@ -29,6 +29,10 @@ Result<void> Engine::State::compile() {
     BatchPrograms p;
     p.shading = permutationOf(material, batch.vertexColor, features);
     p.depth = depthPermutationOf(material, batch.vertexColor);
+    if (batch.blend) {  // drawn by blendedPrograms
+      batchPrograms.push_back(p);
+      continue;
+    }
     if (has("forward")) p.forward = get({"pass/forward.vert", "pass/shade.frag"}, definesOf(p.shading));
     if (has("gather")) p.id = get({"pass/depth.vert", "pass/id.frag"}, definesOf(p.depth, {"WRITE_ID"}));
     if (has("depth-prepass")) p.depthOnly = get({"pass/depth.vert", "pass/depth.frag"}, definesOf(p.depth));
@@ -46,13 +50,17 @@ Result<void> Engine::State::compile() {
     }
   if (has("upsample-rows")) upsampleRows = get({"pass/lanczos.comp"}, {});
   if (has("upsample-columns")) upsampleColumns = get({"pass/lanczos.comp"}, {{"COLUMNS", "1"}});
-  if (has("distort")) distort = get({"pass/distort.comp"}, {});
   if (!error.empty()) return fail("{}", error);
   if (has("warp")) {
     constexpr std::array<Warp, 1> kMesh = {Warp::Mesh};
     auto made = ImageWarp::create(programs, kMesh);
     if (!made) return tl::unexpected(made.error());
     warp = std::move(*made);
+  }
+  if (has("distort")) {
+    auto lens = LensPass::create(programs);
+    if (!lens) return tl::unexpected(lens.error());
+    distort = *lens;
   }
   return {};
 }
@@ -66,15 +74,17 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
   const auto has = [&](const char* name) { return graph.find(name) != nullptr; };
   struct Chosen {
     const gl::Program* gather = nullptr;
+    const gl::Program* mark = nullptr;
     std::vector<const gl::Program*> display;
   };
   std::vector<Chosen> chosen;
-  for (const BatchPrograms& batch : batchPrograms) {
+  for (std::size_t b = 0; b < batchPrograms.size(); ++b) {
+    const BatchPrograms& batch = batchPrograms[b];
     Chosen c;
     if (has("gather")) {
-      // The alpha test belongs to visibility and display: gather shades all of a place, masked or not.
+      // Alpha belongs to visibility and display: gather shades all of a place, masked or blended or not.
       Permutation gather = batch.shading;
-      gather.mask = false;
+      gather.mask = gather.blend = false;
       TessAtlas::GatherProgram own = TessAtlas::gatherProgram(wanted.tess);
       own.defines.merge(definesOf(gather));
       gl::Defines ofTiles = definesOf(gather);
@@ -86,7 +96,15 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
       if (!program) return tl::unexpected(program.error());
       c.gather = *program;
     }
-    if (has("display")) {
+    if (draw.batches[b].blend) {
+      gl::Defines markDefines = definesOf(batch.depth, {"WRITE_ID"});
+      if (triangles) markDefines["TRIANGLES"] = "1";
+      if (wanted.visiblePixels) markDefines["PIXELS"] = "1";
+      auto program = programs.get({"pass/depth.vert", "pass/visible_blended.frag"}, markDefines);
+      if (!program) return tl::unexpected(program.error());
+      c.mark = *program;
+    }
+    if (has("display") && !draw.batches[b].blend) {
       for (std::uint32_t list = 0; list < (triangles ? glsl::kDisplayLists : 1); ++list) {
         gl::Defines defines = definesOf(batch.depth);
         if (triangles) defines.merge(TessAtlas::displayDefines(wanted.tess));
@@ -113,6 +131,8 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
   }
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     batchPrograms[i].gather = chosen[i].gather;
+    batchPrograms[i].mark = chosen[i].mark;
+    batchPrograms[i].markLayers = nullptr;
     batchPrograms[i].display = chosen[i].display;
   }
   return {};
@@ -120,12 +140,18 @@ Result<void> Engine::State::compileGatherer(const EngineOptions& wanted) {
 
 bool Engine::State::drawsIdLayers() {
   if (!context->info().vertexLayers || !options.idLayers) return false;
-  for (BatchPrograms& batch : batchPrograms) {
-    if (batch.idLayers != nullptr) continue;
+  for (std::size_t b = 0; b < batchPrograms.size(); ++b) {
+    BatchPrograms& batch = batchPrograms[b];
+    const bool blend = draw.batches[b].blend;
+    const gl::Program*& layered = blend ? batch.markLayers : batch.idLayers;
+    if (layered != nullptr) continue;
+    gl::Defines defines = definesOf(batch.depth, {"WRITE_ID", "LAYERS"});
+    if (blend && tess) defines["TRIANGLES"] = "1";
+    if (blend && options.visiblePixels) defines["PIXELS"] = "1";
     auto program =
-        programs.get({"pass/depth.vert", "pass/id.frag"}, definesOf(batch.depth, {"WRITE_ID", "LAYERS"}));
+        programs.get({"pass/depth.vert", blend ? "pass/visible_blended.frag" : "pass/id.frag"}, defines);
     if (!program) return options.idLayers = false;
-    batch.idLayers = *program;
+    layered = *program;
   }
   return true;
 }

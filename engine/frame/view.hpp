@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "engine/lens/lens.hpp"
 #include "engine/measure/acuity.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/scene/stage.hpp"
@@ -29,22 +30,6 @@ struct View {
   /// r / f of Mueller 2021, eq. 3.1, taken along the height: pixels are square.
   [[nodiscard]] double pixelsPerRadian() const { return static_cast<double>(height) / fovY; }
 };
-
-/// A radial lens that the picture is seen through; display draws the picture distorted the other way round.
-/// Coordinates count from the picture's centre, 1 at its corners, so that no coordinate passes 1. The output
-/// shows at radius d what the picture has at channelScale * d (1 + k1 d^2 + k2 d^4) / fill (Mueller 2021, eq.
-/// 4.4), fill = (1 + k1 + k2) * the largest channelScale: a barrel lens fills the output, its corners showing
-/// the picture's, and what lies outside the picture (k1, k2 below 0) is black with alpha 0.
-struct Lens {
-  double k1 = 0.22;  // [-10, 10]; d (1 + k1 d^2 + k2 d^4) must rise over all of 0..1
-  double k2 = 0.24;  // [-10, 10]
-  glm::dvec3 channelScale{0.996, 1.0, 1.014};  // red, green, blue: radius in the picture, [0.5, 2] each
-};
-
-/// Fails for a lens that folds, or with the number that is outside its range.
-Result<void> check(const Lens& lens);
-/// The undistorted radius that display puts at the output's corners.
-double lensFill(const Lens& lens);
 
 /// What levels follow beside the views' distances. Absent is off, and costs nothing.
 struct PlaceOptions {

@@ -32,13 +32,30 @@ std::vector<std::uint32_t> maskNumbers(const Scene& scene) {
   std::vector<std::uint32_t> numbers(scene.materials.size(), wire::kNone);
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < numbers.size() && count <= 0xffff; ++i)
-    if (scene.materials[i].alphaMode == AlphaMode::Mask) numbers[i] = count++;
+    if (const Material& material = scene.materials[i];
+        material.alphaMode == AlphaMode::Mask ||
+        (material.alphaMode == AlphaMode::Blend && material.baseColor.used()))
+      numbers[i] = count++;
   return numbers;
 }
 
-std::uint32_t styleOf(const Material& material, std::uint32_t mask) {
+/// `alpha`: of a blended material beside its mask's.
+std::uint32_t styleOf(const Material& material, std::uint32_t mask, float alpha) {
+  const bool blend = material.alphaMode == AlphaMode::Blend;
+  const auto share = static_cast<std::uint32_t>(std::lround(255.0f * std::clamp(alpha, 0.0f, 1.0f)));
   return (material.doubleSided ? glsl::kStyleDoubleSided : 0u) |
-         (mask != wire::kNone ? glsl::kStyleMasked | (mask << 16u) : 0u);
+         (mask != wire::kNone ? glsl::kStyleMasked | (mask << 16u) : 0u) |
+         (blend ? glsl::kStyleTransparent | (share << 8u) : 0u);
+}
+
+/// The factor, but where a mask holds it, and the mean of the corners'.
+float alphaOf(const Scene& scene, const Primitive& primitive, std::span<const std::uint32_t> corners,
+              bool masked) {
+  float alpha = masked ? 1.0f : scene.materials[primitive.material].baseColorFactor.a;
+  if (!primitive.hasColor || scene.vertices.color.empty()) return alpha;
+  float sum = 0.0f;
+  for (const std::uint32_t corner : corners) sum += scene.vertices.color[corner].a;
+  return alpha * sum / static_cast<float>(corners.size());
 }
 
 /// Of a vertex of a masked material, on the grid that is sent: neighbours that only differ by less are one.
@@ -118,7 +135,7 @@ std::vector<wire::MaskImage> masksOf(const Scene& scene) {
     const Material& material = scene.materials[m];
     wire::MaskImage mask;
     mask.number = static_cast<std::uint16_t>(numbers[m]);
-    mask.cutoff = material.alphaCutoff;
+    mask.cutoff = material.alphaMode == AlphaMode::Mask ? material.alphaCutoff : 0.0f;
     mask.width = mask.height = 1;
     const auto scaled = [&](double alpha) {
       return static_cast<std::uint8_t>(
@@ -133,6 +150,9 @@ std::vector<wire::MaskImage> masksOf(const Scene& scene) {
       wire::AlphaPlane plane{
           static_cast<std::uint32_t>(image.width), static_cast<std::uint32_t>(image.height), {}};
       for (std::size_t i = 3; i < image.pixels.size(); i += 4) plane.alpha.push_back(scaled(image.pixels[i]));
+      if (std::adjacent_find(plane.alpha.begin(), plane.alpha.end(), std::not_equal_to<>()) ==
+          plane.alpha.end())
+        plane = {1, 1, {plane.alpha.front()}};
       while (std::max(plane.width, plane.height) > wire::kMostMaskSide)
         plane = wire::halved(plane.width, plane.height, plane.alpha);
       mask.width = plane.width;
@@ -171,19 +191,23 @@ GeometryFeed::GeometryFeed(const Engine& engine) {
     wire::SourceElement element;
     element.triangles = static_cast<std::uint8_t>(g.triangles);
     element.mirrored = mirrors(world);
-    const std::uint32_t materialIndex = scene.primitives[instance.primitive].material;
+    const Primitive& primitive = scene.primitives[instance.primitive];
+    const std::uint32_t materialIndex = primitive.material;
     const Material& material = scene.materials[materialIndex];
-    element.style = styleOf(material, masks[materialIndex]);
+    const std::uint32_t mask = masks[materialIndex];
+    const bool masked = mask != wire::kNone;
+    element.style =
+        styleOf(material, mask, alphaOf(scene, primitive, std::span(corners).first(g.triangles + 2), masked));
     for (std::size_t i = 0; i < g.triangles + 2; ++i) {
       glm::vec3 at = scene.vertices.position[corners[i]];
       if (object == 0) at = glm::vec3(world * glm::dvec4(at, 1.0));
-      glm::vec2 mask(0.0f);
-      if (masks[materialIndex] != wire::kNone) mask = maskCoordinate(scene, material, corners[i]);
+      glm::vec2 within(0.0f);
+      if (masked) within = maskCoordinate(scene, material, corners[i]);
       Place place{object, {}};
       std::memcpy(place.bits.data(), &at, sizeof(at));
-      std::memcpy(place.bits.data() + 3, &mask, sizeof(mask));
+      std::memcpy(place.bits.data() + 3, &within, sizeof(within));
       const auto [entry, added] = known.emplace(place, static_cast<std::uint32_t>(source_.vertices.size()));
-      if (added) source_.vertices.push_back({at, object, mask});
+      if (added) source_.vertices.push_back({at, object, within});
       element.vertex[i] = entry->second;
     }
     if (!tess) {
@@ -194,6 +218,8 @@ GeometryFeed::GeometryFeed(const Engine& engine) {
       wire::SourceElement triangle = element;
       triangle.triangles = 1;
       triangle.vertex = {element.vertex[0], element.vertex[part + 1], element.vertex[part + 2], 0, 0};
+      const std::array<std::uint32_t, 3> own = {corners[0], corners[part + 1], corners[part + 2]};
+      triangle.style = styleOf(material, mask, alphaOf(scene, primitive, own, masked));
       source_.elements[glsl::triangleNumber(patch, part)] = triangle;
     }
   }

@@ -24,8 +24,9 @@ inline constexpr double kLeastNear = 1e-6;  // metres
 inline constexpr double kMostNear = 1e6;
 inline constexpr double kFarthestEye = 1e9;  // metres from the origin, along each axis
 
-/// Alpha of a scene's masked materials, numbered as the styles of elements name them: vertex colours have no
-/// part in it. A material without an image has one texel. Images beyond wire::kMostMaskSide are halved.
+/// Alpha of a scene's masked materials, and of the blended ones that have an image, numbered as the styles of
+/// elements name them: vertex colours have no part in it. A material without an image, and one whose image is
+/// of one alpha, has one texel. Images beyond wire::kMostMaskSide are halved.
 /// Of a scene before an engine takes it: that keeps no pixels.
 std::vector<wire::MaskImage> masksOf(const Scene& scene);
 
@@ -33,6 +34,8 @@ class GeometryFeed {
  public:
   /// Vertices at one place of one object become one. What stands still is one object, in world coordinates;
   /// each node that moves is one more.
+  /// Blended elements have the alpha of their material and, in the mean, of their corners' colours. There are
+  /// any only with FrameRequest::blended.
   explicit GeometryFeed(const Engine& engine);
   [[nodiscard]] const wire::GeometrySource& source() const { return source_; }
   /// After place(); reads back.

@@ -51,6 +51,8 @@ glsl::StreamedMask appendMask(const wire::MaskImage& mask, std::vector<std::uint
 }  // namespace
 
 Result<StreamedDisplay> StreamedDisplay::create(const gl::Context& context, const DisplayOptions& options) {
+  if (options.lens)
+    if (auto good = check(*options.lens); !good) return tl::unexpected(good.error());
   StreamedDisplay display;
   display.context_ = &context;
   display.options_ = options;
@@ -59,10 +61,16 @@ Result<StreamedDisplay> StreamedDisplay::create(const gl::Context& context, cons
   auto far = display.programs_->get({"pass/streamed_far.vert", "pass/streamed_far.frag"});
   if (!far) return tl::unexpected(far.error());
   display.far_ = *far;
+  if (options.lens) {
+    auto lens = LensPass::create(*display.programs_);
+    if (!lens) return tl::unexpected(lens.error());
+    display.lens_ = *lens;
+  }
   auto atlas = YuvUnpacker::create(context);
   if (!atlas) return tl::unexpected(atlas.error());
   display.atlas_.emplace(std::move(*atlas));
   display.vertexArray_ = gl::VertexArray::make();
+  display.indexed_ = gl::VertexArray::make();
   display.farSamples_ = gl::Query(GL_SAMPLES_PASSED);
   return display;
 }
@@ -73,7 +81,16 @@ Result<void> StreamedDisplay::prepare(const ShadedFrame& frame) {
   if (!frame.masks->empty()) defines["MASK"] = "";
   auto program = programs_->get({"pass/streamed.vert", "pass/streamed.frag"}, defines);
   if (!program) return tl::unexpected(program.error());
+  order_.take(frame);
+  const gl::Program* blended = nullptr;
+  if (!order_.empty()) {
+    defines["BLEND"] = "";
+    auto own = programs_->get({"pass/streamed.vert", "pass/streamed.frag"}, defines);
+    if (!own) return tl::unexpected(own.error());
+    blended = *own;
+  }
   program_ = *program;
+  blended_ = blended;
   return {};
 }
 
@@ -111,26 +128,37 @@ Result<void> StreamedDisplay::upload(const ShadedFrame& frame) {
   return {};
 }
 
+bool StreamedDisplay::Picture::resize(int width, int height, const gl::Texture* depth) {
+  if (color && color.width() == width && color.height() == height) return false;
+  *this = {};
+  color = gl::Texture(GL_SRGB8_ALPHA8, width, height);
+  color.filter(GL_LINEAR, GL_LINEAR);
+  color.wrap(GL_CLAMP_TO_EDGE);
+  encoded = color.view(GL_RGBA8);
+  const std::array<const gl::Texture*, 1> colors = {&encoded};
+  copy = gl::Framebuffer(colors, depth);
+  gl::api().ClearTexImage(color.get(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  return true;
+}
+
 void StreamedDisplay::begin(const wire::Camera& camera) {
   const int width = static_cast<int>(camera.width);
   const int height = static_cast<int>(camera.height);
-  if (!color_ || color_.width() != width || color_.height() != height) {
-    color_ = gl::Texture(GL_SRGB8_ALPHA8, width, height);
-    encoded_ = color_.view(GL_RGBA8);
+  if (!depth_ || depth_.width() != width || depth_.height() != height)
     depth_ = gl::Texture(GL_DEPTH_COMPONENT32F, width, height);
-    const std::array<const gl::Texture*, 1> colors = {&encoded_};
-    framebuffer_ = gl::Framebuffer(colors, &depth_);
+  if (picture_.resize(width, height, &depth_)) {
+    const std::array<const gl::Texture*, 1> linear = {&picture_.color};
+    linearFramebuffer_ = gl::Framebuffer(linear, &depth_);
   }
-  gl::api().BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
+  gl::api().BindFramebuffer(GL_FRAMEBUFFER, picture_.copy.get());
   gl::apply({.depth = gl::DepthTest::Greater, .depthWrite = true});
   constexpr float kFarthest = 0.0f;
-  gl::api().ClearNamedFramebufferfv(framebuffer_.get(), GL_DEPTH, 0, &kFarthest);
+  gl::api().ClearNamedFramebufferfv(picture_.copy.get(), GL_DEPTH, 0, &kFarthest);
   gl::api().BindVertexArray(vertexArray_.get());
 }
 
-void StreamedDisplay::drawPart(const wire::Camera& camera, Region part) {
+void StreamedDisplay::bind(const gl::Program& program, const wire::Camera& camera, Region part) {
   gl::api().Viewport(part.x, 0, part.width, static_cast<int>(camera.height));
-  if (program_ == nullptr || triangleCount_ == 0) return;
   // In double up to here: what remains are the distances that the picture is made of.
   std::vector<glm::vec4> rows;
   rows.reserve(3 * transforms_.size());
@@ -139,14 +167,14 @@ void StreamedDisplay::drawPart(const wire::Camera& camera, Region part) {
       rows.emplace_back(object.world[0][row], object.world[1][row], object.world[2][row],
                         object.world[3][row] - camera.eye[row]);
   store(objects_, rows);
-  program_->use();
+  program.use();
   const glm::mat4 toClip(viewProjection(camera));
   const glm::vec3 shaded(shadedEye_ - camera.eye);
   const glm::vec2 texel(1.0f / static_cast<float>(atlas_->texture().width()),
                         1.0f / static_cast<float>(atlas_->texture().height()));
-  gl::api().ProgramUniformMatrix4fv(program_->get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(toClip));
-  gl::api().ProgramUniform3fv(program_->get(), LOCATION_STREAMED_SHADED, 1, &shaded.x);
-  gl::api().ProgramUniform2fv(program_->get(), LOCATION_SIZE, 1, &texel.x);
+  gl::api().ProgramUniformMatrix4fv(program.get(), LOCATION_VIEW, 1, GL_FALSE, glm::value_ptr(toClip));
+  gl::api().ProgramUniform3fv(program.get(), LOCATION_STREAMED_SHADED, 1, &shaded.x);
+  gl::api().ProgramUniform2fv(program.get(), LOCATION_SIZE, 1, &texel.x);
   vertices_.bindStorage(BIND_STREAMED_VERTICES);
   triangles_.bindStorage(BIND_STREAMED_TRIANGLES);
   elements_.bindStorage(BIND_STREAMED_ELEMENTS);
@@ -157,11 +185,25 @@ void StreamedDisplay::drawPart(const wire::Camera& camera, Region part) {
   alpha_.bindStorage(BIND_STREAMED_ALPHA);
   // Encoded texels to an encoded picture, as the engine displays an atlas of 8 bits.
   atlas_->encoded().bind(UNIT_ATLAS);
+}
+
+void StreamedDisplay::drawOpaque(const wire::Camera& camera, Region part) {
+  if (program_ == nullptr || triangleCount_ == 0) return;
+  bind(*program_, camera, part);
   gl::api().DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * triangleCount_));
 }
 
-void StreamedDisplay::end() {
-  gl::api().Viewport(0, 0, color_.width(), color_.height());
+void StreamedDisplay::drawBlended(const wire::Camera& camera, Region part) {
+  const std::vector<std::uint32_t>& corners = order_.sorted(camera);
+  if (corners.empty()) return;
+  store(indices_, corners);
+  gl::api().VertexArrayElementBuffer(indexed_.get(), indices_.get());
+  bind(*blended_, camera, part);
+  gl::api().DrawElements(GL_TRIANGLES, static_cast<GLsizei>(corners.size()), GL_UNSIGNED_INT, nullptr);
+}
+
+void StreamedDisplay::drawBackground() {
+  gl::api().Viewport(0, 0, picture_.color.width(), picture_.color.height());
   gl::apply({.depth = gl::DepthTest::GreaterEqual});
   const glm::vec3& b = options_.background;
   const glm::vec4 background(glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g), glsl::encodeSrgb(b.b), 0.0f);
@@ -171,38 +213,70 @@ void StreamedDisplay::end() {
   gl::api().DrawArrays(GL_TRIANGLES, 0, 3);
   farSamples_.end();
   counted_ = true;
-  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT);
+}
+
+void StreamedDisplay::drawParts(const wire::Camera& whole, std::span<const Part> parts) {
+  begin(whole);
+  for (const Part& part : parts) drawOpaque(part.camera, part.region);
+  drawBackground();
+  if (!order_.empty()) {
+    // As the engine: over the background too, in linear light.
+    gl::api().BindFramebuffer(GL_FRAMEBUFFER, linearFramebuffer_.get());
+    gl::apply({.depth = gl::DepthTest::GreaterEqual, .blend = true, .encodeSrgb = true});
+    gl::api().BindVertexArray(indexed_.get());
+    for (const Part& part : parts) drawBlended(part.camera, part.region);
+  }
+  if (lens_) seeThroughLens(parts);
+  gl::api().MemoryBarrier(GL_FRAMEBUFFER_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                          GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+void StreamedDisplay::seeThroughLens(std::span<const Part> parts) {
+  lensed_.resize(picture_.color.width(), picture_.color.height());
+  if (parts.size() == 1) return lens_->draw(picture_.color, lensed_.encoded, *options_.lens);
+  const int height = picture_.color.height();
+  const auto copy = [height](const Picture& from, int fromX, const Picture& to, int toX, int width) {
+    gl::api().CopyImageSubData(from.color.get(), GL_TEXTURE_2D, 0, fromX, 0, 0, to.color.get(), GL_TEXTURE_2D,
+                               0, toX, 0, 0, width, height, 1);
+  };
+  for (const Part& part : parts) {
+    eye_.resize(part.region.width, height);
+    lensedEye_.resize(part.region.width, height);
+    copy(picture_, part.region.x, eye_, 0, part.region.width);
+    lens_->draw(eye_.color, lensedEye_.encoded, *options_.lens);
+    gl::api().MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+    copy(lensedEye_, 0, lensed_, part.region.x, part.region.width);
+  }
 }
 
 void StreamedDisplay::draw(const wire::Camera& camera) {
   const auto guard = gl::guardHost(*context_);
-  begin(camera);
-  drawPart(camera, {0, static_cast<int>(camera.width)});
-  end();
+  const std::array parts = {Part{camera, {0, static_cast<int>(camera.width)}}};
+  drawParts(camera, parts);
 }
 
 void StreamedDisplay::drawStereo(const wire::Camera& camera, double eyeDistance) {
   const auto guard = gl::guardHost(*context_);
   const int half = static_cast<int>(camera.width) / 2;
   if (half == 0) return draw(camera);
-  begin(camera);
   const wire::Camera narrow = resized(camera, static_cast<std::uint32_t>(half), camera.height);
-  drawPart(eyeOf(narrow, eyeDistance, -1), {0, half});
-  drawPart(eyeOf(narrow, eyeDistance, 1), {half, half});
-  end();
+  const std::array parts = {Part{eyeOf(narrow, eyeDistance, -1), {0, half}},
+                            Part{eyeOf(narrow, eyeDistance, 1), {half, half}}};
+  drawParts(camera, parts);
 }
 
 Image StreamedDisplay::read() const {
-  return flipped(color_.width(), color_.height(), gl::readTexture(encoded_, GL_RGBA, GL_UNSIGNED_BYTE, 4));
+  const gl::Texture& encoded = shown().encoded;
+  return flipped(encoded.width(), encoded.height(), gl::readTexture(encoded, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }
 
 void StreamedDisplay::blit(unsigned framebuffer, int width, int height) const {
-  if (!framebuffer_) return;
+  if (!shown().copy) return;
   const auto guard = gl::guardHost(*context_);
   gl::apply({});
-  const int w = std::min(width, color_.width());
-  const int h = std::min(height, color_.height());
-  gl::api().BlitNamedFramebuffer(framebuffer_.get(), framebuffer, 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT,
+  const int w = std::min(width, shown().color.width());
+  const int h = std::min(height, shown().color.height());
+  gl::api().BlitNamedFramebuffer(shown().copy.get(), framebuffer, 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT,
                                  GL_NEAREST);
 }
 

@@ -1,4 +1,4 @@
-// The alpha test of streamed elements. All masks of a stream lie in one buffer, so that one draw call has any of them:
+// Alpha of streamed elements, to test or to blend by. All masks of a stream lie in one buffer, so that one draw call has any of them:
 // their levels one behind the other, each half of the last, four texels a word, rows from the top.
 #include "shared/streamed_mask.h"
 layout(std430, binding = BIND_STREAMED_MASKS) readonly buffer StreamedMasks { StreamedMask streamedMasks[]; };
@@ -29,15 +29,23 @@ float maskLevel(StreamedMask m, uint level, vec2 at) {
 }
 
 // As a texture with linear filters within and between levels gives it. dx, dy: change of `at` to the next pixels.
-bool streamedMaskedOut(uint number, vec2 at, vec2 dx, vec2 dy) {
-  if (number >= uint(streamedMasks.length())) return false;
-  StreamedMask m = streamedMasks[number];
-  if (m.width == 0u) return false;
+float maskAlpha(StreamedMask m, vec2 at, vec2 dx, vec2 dy) {
   vec2 size = vec2(float(m.width), float(m.height));
   float across = max(length(dx * size), length(dy * size));
   float level = clamp(log2(max(across, 1.0e-6)), 0.0, float(m.levels - 1u));
   uint fine = uint(level);
   float alpha = maskLevel(m, fine, at);
   if (fine + 1u < m.levels) alpha = mix(alpha, maskLevel(m, fine + 1u, at), level - float(fine));
-  return alpha < m.cutoff;
+  return alpha;
+}
+
+// Of one that there is not, there are no holes.
+bool streamedMaskKnown(uint number) {
+  return number < uint(streamedMasks.length()) && streamedMasks[number].width != 0u;
+}
+bool streamedMaskedOut(uint number, vec2 at, vec2 dx, vec2 dy) {
+  return streamedMaskKnown(number) && maskAlpha(streamedMasks[number], at, dx, dy) < streamedMasks[number].cutoff;
+}
+float streamedMaskAlpha(uint number, vec2 at, vec2 dx, vec2 dy) {
+  return streamedMaskKnown(number) ? maskAlpha(streamedMasks[number], at, dx, dy) : 1.0;
 }

@@ -1,7 +1,11 @@
-// Streamed geometry: the alpha test where an element asks for it, its place in the atlas, and one fetch.
+// Streamed geometry: the alpha test where an element asks for it, its place in the atlas, and one fetch. BLEND: linear
+// colour and the element's alpha.
 #include "lib/streamed_geometry.glsl"
 #ifdef MASK
 #include "lib/streamed_mask.glsl"
+#endif
+#ifdef BLEND
+#include "shared/tone.h"
 #endif
 #ifdef TESS
 #include "shared/scene.h"
@@ -55,7 +59,9 @@ void main() {
   // Derivatives before what may be discarded: the neighbours must be there.
   vec2 dx = dFdx(vMaskAt);
   vec2 dy = dFdy(vMaskAt);
+#endif
   uint style = streamedElements[vElement].style;
+#if defined(MASK) && !defined(BLEND)
   if ((style & kStyleMasked) != 0u && streamedMaskedOut(styleMask(style), vMaskAt, dx, dy)) discard;
 #endif
 #ifdef TESS
@@ -63,5 +69,15 @@ void main() {
 #else
   vec2 at = clamp(vAtlas, vWithin.xy, vWithin.zw);  // as in display.frag
 #endif
-  oColor = vec4(textureLod(uAtlas, at, 0.0).rgb, 1.0);
+  vec3 color = textureLod(uAtlas, at, 0.0).rgb;
+#ifdef BLEND
+  float alpha = float(styleAlpha(style)) / 255.0;
+#ifdef MASK
+  if ((style & kStyleMasked) != 0u) alpha *= streamedMaskAlpha(styleMask(style), vMaskAt, dx, dy);
+#endif
+  // The engine blends in linear light.
+  oColor = vec4(decodeSrgb(color.r), decodeSrgb(color.g), decodeSrgb(color.b), alpha);
+#else
+  oColor = vec4(color, 1.0);
+#endif
 }

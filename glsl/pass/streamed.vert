@@ -1,5 +1,6 @@
 // Streamed geometry for any camera, without vertex attributes: vertex gl_VertexID is corner gl_VertexID % 3 of triangle
-// gl_VertexID / 3. Triangles that are free, or turn a single side away, become a point outside of the picture.
+// gl_VertexID / 3. Triangles that are free, or turn a single side away, become a point outside of the picture; so do
+// the blended ones, which BLEND draws by themselves, and only them.
 #include "lib/streamed_geometry.glsl"
 #ifdef TESS
 #include "shared/scene.h"
@@ -48,6 +49,9 @@ void main() {
   vec3 b = streamedPosition(t.v1);
   vec3 c = streamedPosition(t.v2);
   uint style = streamedElements[element].style;
+#ifndef BLEND
+  if ((style & kStyleTransparent) != 0u) return;
+#endif
   if ((style & kStyleDoubleSided) == 0u && !(dot(cross(b - a, c - a), a) < 0.0)) return;
   vec3 at = corner == 0u ? a : (corner == 1u ? b : c);
   gl_Position = uViewProjection * vec4(at, 1.0);

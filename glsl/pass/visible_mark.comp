@@ -12,18 +12,7 @@ uint idAt(ivec2 pixel) { return texelFetch(uIds, ivec3(pixel, gl_WorkGroupID.z),
 layout(binding = UNIT_ID) uniform usampler2D uIds;
 uint idAt(ivec2 pixel) { return texelFetch(uIds, pixel, 0).r; }
 #endif
-layout(std430, binding = BIND_VISIBLE) buffer Visible { uint visibleCount; uint visibleIds[]; };
-layout(std430, binding = BIND_VISIBLE_MARK) coherent buffer Marks { uint marks[]; };
-#ifdef PIXELS
-layout(std430, binding = BIND_VISIBLE_PIXELS) buffer Pixels { uint pixels[]; };
-#endif
-layout(location = LOCATION_FRAME) uniform uint uFrame;
-
-#ifdef TRIANGLES
-uint elementOf(uint id) { return id - 4u; }  // see triangleNumber
-#else
-uint elementOf(uint id) { return (id >> 2u) - 1u; }
-#endif
+#include "lib/visible_mark.glsl"
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -34,13 +23,10 @@ void main() {
   // Of a run of equal ids along x only the first asks: most pixels end here.
   if (gl_LocalInvocationID.x > 0u && elementOf(idAt(pixel - ivec2(1, 0))) == elementOf(id)) return;
   uint element = elementOf(id);
+  uint run = 1u;
 #ifdef PIXELS
-  int run = 1;
-  int most = min(16 - int(gl_LocalInvocationID.x), size.x - pixel.x);
+  uint most = min(16u - gl_LocalInvocationID.x, uint(size.x - pixel.x));
   while (run < most && elementOf(idAt(pixel + ivec2(run, 0))) == element) ++run;
-  atomicAdd(pixels[element], uint(run));
 #endif
-  if (marks[element] == uFrame) return;
-  if (atomicExchange(marks[element], uFrame) == uFrame) return;
-  visibleIds[atomicAdd(visibleCount, 1u)] = element;
+  markVisible(element, run);
 }

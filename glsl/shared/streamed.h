@@ -52,7 +52,8 @@ SHARED_CONST uint kMostElements = 1u << 26u;
 
 SHARED_CONST uint kStyleDoubleSided = 1u;
 SHARED_CONST uint kStyleMasked = 2u;       // bits 16-31: number of its mask image
-SHARED_CONST uint kStyleTransparent = 4u;  // bits 8-15: alpha
+// Blended over what lies behind, in linear light; bits 8-15: alpha, times the mask's where it is masked too.
+SHARED_CONST uint kStyleTransparent = 4u;
 SHARED_FN uint styleAlpha(uint style) { return (style >> 8u) & 255u; }
 SHARED_FN uint styleMask(uint style) { return style >> 16u; }
 

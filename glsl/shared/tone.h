@@ -17,5 +17,10 @@ SHARED_FN float encodeSrgb(float linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
 }
 
+// The other way round.
+SHARED_FN float decodeSrgb(float encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
+}
+
 TESSERA_SHARED_END
 #endif

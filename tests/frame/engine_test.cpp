@@ -366,6 +366,52 @@ TEST_F(EngineGl, BlendedSurfacesAreSortedAndEqualInBothMethods) {
   EXPECT_LT(meanDifference(forward, rect), 1.0);
 }
 
+TEST_F(EngineGl, AnAtlasWithBlendedSurfacesShowsThePicturesOfOneWithout) {
+  Scene scene = test::emptyScene();
+  Material glass;
+  glass.alphaMode = AlphaMode::Blend;
+  glass.baseColorFactor = {0.2f, 0.3f, 1.0f, 0.5f};
+  const auto glassIndex = test::addMaterial(scene, glass);
+  test::place(scene, test::addGrid(scene, {-3, -1, 1}, {6, 0, 0}, {0, 0, -8}, 6, 8));
+  test::place(scene, test::addGrid(scene, {-1, -0.8f, -4}, {2, 0, 0}, {0, 2, 0}, 2, 2, glassIndex));
+  test::place(scene, test::addGrid(scene, {-0.5f, -0.9f, -5}, {2, 0, 0}, {0, 2, 0}, 2, 2, glassIndex));
+  test::finish(scene);
+  const View view = lookAt({0, 0.5, 0}, {0, 0, -5}, 60.0, kWidth, kHeight, 0.05);
+  for (const GathererKind gatherer : {GathererKind::Rect, GathererKind::Tess}) {
+    std::array<Image, 2> displayed, drawn;
+    for (const bool blended : {false, true}) {
+      EngineOptions options = smallAtlas();
+      options.gatherer = gatherer;
+      options.request.blended = blended;
+      auto engine = make(scene, options, test::lampStage());
+      ASSERT_TRUE(engine);
+      EXPECT_EQ(engine->drawScene().triangles, blended ? 112u : 96u);
+      engine->update(0.0);
+      engine->rect(view);
+      displayed[blended ? 1 : 0] = engine->readColor();
+      engine->forward(view);
+      drawn[blended ? 1 : 0] = engine->readColor();
+      // All of both panes is seen, one behind the other.
+      std::size_t panes = 0;
+      for (const std::uint32_t element : engine->visibleSet()->read()) {
+        const std::uint32_t patch = gatherer == GathererKind::Tess ? element >> 2u : element;
+        const DrawScene& draw = engine->drawScene();
+        panes += draw.batches[draw.batchOf[draw.instanceOfPatch[patch]]].blend ? 1 : 0;
+      }
+      EXPECT_EQ(panes, !blended ? 0u : gatherer == GathererKind::Tess ? 16u : 8u);
+    }
+    // Blocks lie elsewhere, no more.
+    EXPECT_LT(meanDifference(displayed[0], displayed[1]), 0.05);
+    EXPECT_EQ(drawn[0].pixels, drawn[1].pixels) << "glass casts a shadow, or hides";
+  }
+  EngineOptions texel = smallAtlas();
+  texel.gatherer = GathererKind::Texel;
+  texel.request.blended = true;
+  const auto refused = Engine::create(test::context(), scene, {}, texel);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("blended"), std::string::npos) << refused.error().message;
+}
+
 TEST_F(EngineGl, ShadowsFallAndLeave) {
   Scene scene = test::emptyScene();
   test::place(scene, test::addGrid(scene, {-3, 0, 3}, {6, 0, 0}, {0, 0, -6}, 6, 6));

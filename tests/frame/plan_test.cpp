@@ -115,6 +115,18 @@ TEST(Plan, BlendMakesTheTransparentPassAndNoAtlasByItself) {
   EXPECT_EQ(passNames(planFrame(features, kForward)), (Names{"forward-transparent"}));
 }
 
+TEST(Plan, AnAtlasHoldsBlendedSurfacesByRequestOnly) {
+  Material glass;
+  glass.alphaMode = AlphaMode::Blend;
+  FrameRequest request = kRect;
+  request.blended = true;
+  EXPECT_EQ(passNames(planFrame(findFeatures(oneQuad(glass), nullptr), request)),
+            (Names{"id", "mark", "mark-blended", "levels", "memory", "emit", "gather", "display",
+                   "rect-transparent"}));
+  const SceneFeatures opaque = findFeatures(oneQuad({}), nullptr);
+  EXPECT_EQ(passNames(planFrame(opaque, request)), passNames(planFrame(opaque, kRect)));
+}
+
 TEST(Plan, MaskAddsItsTestOnlyToMaskedMaterials) {
   Material leaf;
   leaf.alphaMode = AlphaMode::Mask;
@@ -261,6 +273,13 @@ TEST(Batches, SortByStateAndCountEntries) {
   }
   EXPECT_EQ(draw.entries, entries);
   EXPECT_EQ(draw.instanceOfPatch.size(), draw.patchInstances);
+  const DrawScene all = prepare(scene, {}, true);
+  ASSERT_EQ(all.batches.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(all.batches[i].blend, i == 3);
+  EXPECT_EQ(all.batches[3].material, glassIndex);
+  EXPECT_EQ(all.batches[3].firstEntry, draw.entries);
+  EXPECT_EQ(all.blended.size(), 1u);
+  EXPECT_EQ(all.triangles, draw.triangles + 12u);
 }
 
 TEST(Batches, CullMergesNeighboursAndSplitsMirrored) {

@@ -14,8 +14,8 @@ namespace {
 
 using VisibleViews = test::GlTest;
 
-/// Boards at several depths: several instances of one mesh, one of them mirrored, and one with holes by
-/// alpha.
+/// Boards at several depths: several instances of one mesh, one of them mirrored, one with holes by alpha,
+/// and one of glass.
 Scene boards() {
   Scene scene = test::emptyScene();
   Material holes;
@@ -29,13 +29,21 @@ Scene boards() {
   const auto masked = test::addMaterial(scene, holes);
   const auto board = test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 8, 8);
   const auto sieve = test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 6, 6, masked);
+  Material glass;
+  glass.alphaMode = AlphaMode::Blend;
+  const auto pane =
+      test::addGrid(scene, {-0.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 5, 5, test::addMaterial(scene, glass));
   const auto wall = test::addGrid(scene, {-6, -4, -8}, {12, 0, 0}, {0, 8, 0}, 40, 30);
   for (int i = 0; i < 5; ++i) {
     Node node;
     node.translation = {-2.0 + i, 0.2 * i - 0.4, -3.0 - 0.4 * i};
     if (i == 3) node.scale = {-1, 1, 1};
     scene.nodes.push_back(node);
-    test::place(scene, i == 2 ? sieve : board, static_cast<std::uint32_t>(scene.nodes.size() - 1));
+    test::place(scene,
+                i == 2   ? sieve
+                : i == 1 ? pane
+                         : board,
+                static_cast<std::uint32_t>(scene.nodes.size() - 1));
   }
   test::place(scene, wall, 0);
   test::finish(scene);
@@ -46,6 +54,7 @@ std::unique_ptr<Engine> make(bool layers, Scene scene = boards(), EngineOptions 
   options.atlas.memory.width = options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
   options.request.displayDeferred = true;
+  options.request.blended = true;
   options.idLayers = layers;
   auto engine = Engine::create(test::context(), std::move(scene), {}, options);
   if (!engine) {
@@ -227,7 +236,19 @@ TEST_F(VisibleViews, PixelsAreCountedOverAllViews) {
       const auto pixels = engine->readVisiblePixels();
       ASSERT_EQ(pixels.size(), numbers.size());
       std::map<std::uint32_t, std::uint32_t> counted;
-      for (std::size_t i = 0; i < numbers.size(); ++i) counted[numbers[i]] = pixels[i];
+      std::uint32_t blended = 0;
+      for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const DrawScene& draw = engine->drawScene();
+        const std::uint32_t patch = kind == GathererKind::Tess ? numbers[i] / 4 : numbers[i];
+        const Instance& instance = draw.instances[draw.instanceOfPatch[patch]];
+        const std::uint32_t material = engine->scene().primitives[instance.primitive].material;
+        // Ids are of what is opaque.
+        if (engine->scene().materials[material].alphaMode == AlphaMode::Blend)
+          blended += pixels[i];
+        else
+          counted[numbers[i]] = pixels[i];
+      }
+      EXPECT_GT(blended, 500u);
       EXPECT_EQ(counted, expected);
       EXPECT_GT(expected.size(), 20u);
     }

@@ -57,6 +57,8 @@ std::vector<std::string> permutationsOf(const std::string& path) {
   } else if (path == "pass/display.vert" || path == "pass/display.frag") {
     for (const std::string& defines : depth)
       for (const char* charts : {"", " CHARTS"}) all.push_back(defines + charts);
+  } else if (path == "pass/visible_blended.frag") {
+    all = {"", "TRIANGLES"};
   } else if (path == "pass/visible_mark.comp") {
     all = {"", "LAYERS", "TRIANGLES", "TRIANGLES LAYERS"};
   } else if (path == "pass/debug_screen.comp") {

@@ -84,6 +84,28 @@ TEST(Feed, MasksAreTheAlphaOfTheirImages) {
   EXPECT_EQ(masks[1].alpha, (std::vector<std::uint8_t>{191}));
 }
 
+TEST(Feed, MasksOfBlendedMaterialsAreThoseOfTheirImages) {
+  Scene scene = build::emptyScene();
+  build::addCheckers(scene, 4, 2, true);
+  build::addCheckers(scene, 4, 2, false);
+  Material glass;
+  glass.alphaMode = AlphaMode::Blend;
+  glass.baseColorFactor.a = 0.5f;
+  build::addMaterial(scene, glass);  // its style says all
+  glass.baseColor.image = 0;
+  build::addMaterial(scene, glass);
+  glass.baseColor.image = 1;
+  build::addMaterial(scene, glass);
+  const auto masks = masksOf(scene);
+  ASSERT_EQ(masks.size(), 2u);
+  EXPECT_EQ(masks[0].number, 0);
+  EXPECT_EQ(masks[0].cutoff, 0.0f);
+  EXPECT_EQ(masks[0].alpha,
+            (std::vector<std::uint8_t>{128, 128, 0, 0, 128, 128, 0, 0, 0, 0, 128, 128, 0, 0, 128, 128}));
+  EXPECT_EQ(masks[1].width, 1u);
+  EXPECT_EQ(masks[1].alpha, (std::vector<std::uint8_t>{128}));
+}
+
 TEST(Feed, MasksBeyondTheWiresSidesAreHalved) {
   Scene scene = build::emptyScene();
   SceneImage image;

@@ -1,13 +1,12 @@
 // The viewer's picture against the engine's own display of the same atlas.
 #include "engine/view/display.hpp"
 
-#include "codec/video.hpp"
 #include "engine/measure/metrics.hpp"
 #include "engine/stream/feed.hpp"
 #include "engine/view/camera.hpp"
-#include "engine/yuv/packer.hpp"
 #include "tests/frame/small_scenes.hpp"
 #include "tests/gl_test.hpp"
+#include "tests/view/streamed.hpp"
 
 namespace tessera {
 namespace {
@@ -20,94 +19,16 @@ struct Pictures {
   std::uint64_t uncovered = 0;
 };
 
-double psnrOf(const Pictures& pictures) {
-  const auto value = psnr(pictures.engine, pictures.viewer);
-  if (!value) ADD_FAILURE() << value.error().message;
-  return value.value_or(0.0);
-}
-
-/// Through H.264, with little loss.
-YuvImage coded(const YuvImage& planes) {
-  EncoderOptions options;
-  options.width = planes.width;
-  options.height = planes.height;
-  options.chroma = planes.chroma;
-  options.rate = RateControl::ConstantQuality;
-  options.quality = 12.0;
-  options.encoders = {"libx264"};
-  auto encoder = VideoEncoder::create(options);
-  auto decoder = VideoDecoder::create();
-  if (!encoder || !decoder) {
-    ADD_FAILURE() << (encoder ? decoder.error().message : encoder.error().message);
-    return planes;
-  }
-  const auto packet = encoder->encode(planes.view(), 1);
-  if (!packet) {
-    ADD_FAILURE() << packet.error().message;
-    return planes;
-  }
-  const Decoded decoded = decoder->decode(packet->bytes);
-  if (!decoded.picture) {
-    ADD_FAILURE() << decoded.detail;
-    return planes;
-  }
-  auto rgb = toRgb(*decoded.picture);
-  return std::move(*toYuv(*rgb, planes.chroma));
-}
-
 /// Shaded for one view, displayed for another.
 Pictures drawn(Scene scene, GathererKind gatherer, const View& shaded, const View& shown) {
   Pictures pictures;
-  EngineOptions options;
-  options.gatherer = gatherer;
-  options.request.forward = false;
-  options.atlas.memory.width = options.atlas.memory.height = 1024;
-  // Before the engine takes the scene, which keeps no pixels.
-  auto masks = std::make_shared<const std::vector<wire::MaskImage>>(masksOf(scene));
-  auto engine = Engine::create(test::context(), std::move(scene), std::nullopt, options);
-  if (!engine) {
-    ADD_FAILURE() << engine.error().message;
-    return pictures;
-  }
-  Engine& e = **engine;
-  e.update(0.0);
-  e.findVisible({&shaded, 1});
-  if (auto placed = e.place({&shaded, 1}); !placed) ADD_FAILURE() << placed.error().message;
-  e.shade(shaded);
-  e.display(shown);
-  pictures.engine = e.readColor();
-
-  const GeometryFeed feed(e);
-  wire::VisibleDelta delta(feed.source());
-  const auto elements = feed.visible(e);
-  const auto objects = feed.objects(e);
-  const wire::Camera camera = cameraOf(shaded);
-  const auto message = delta.next({elements, objects, {}, wire::boundOf(camera, 0.01, 0.0), camera.eye});
-  const gl::Texture& atlas = e.gatherer()->atlas().encoded;
-  auto packer = YuvPacker::create(test::context(), atlas.width(), atlas.height(), Chroma::Yuv444);
-  if (!packer || !packer->pack(atlas, 1)) {
-    ADD_FAILURE() << "the atlas gives no planes";
-    return pictures;
-  }
-  const YuvImage planes = packer->read()->planes;
-  view::ShadedFrame frame;
-  frame.atlas = coded(planes);
-  frame.header.camera = camera;
-  wire::VisibleMirror mirror(feed.source().method, {static_cast<std::uint32_t>(planes.width),
-                                                    static_cast<std::uint32_t>(planes.height)});
-  if (auto applied = mirror.apply(message); !applied) ADD_FAILURE() << applied.error().message;
-  frame.masks = std::move(masks);
-  frame.take(mirror);
-
-  auto display = view::StreamedDisplay::create(test::context());
-  if (!display) {
-    ADD_FAILURE() << display.error().message;
-    return pictures;
-  }
-  if (auto uploaded = display->upload(frame); !uploaded) ADD_FAILURE() << uploaded.error().message;
-  display->draw(cameraOf(shown));
-  pictures.viewer = display->read();
-  pictures.uncovered = display->uncovered().value_or(0);
+  test::Streamed both = test::streamed(std::move(scene), gatherer, shaded);
+  if (!both) return pictures;
+  both.engine->display(shown);
+  pictures.engine = both.engine->readColor();
+  both.display->draw(cameraOf(shown));
+  pictures.viewer = both.display->read();
+  pictures.uncovered = both.display->uncovered().value_or(0);
   return pictures;
 }
 
@@ -117,7 +38,7 @@ void compare(GathererKind gatherer) {
   const View shaded = corner({3.0, 2.0, 2.0});
   for (const glm::dvec3& eye : {glm::dvec3(3.0, 2.0, 2.0), glm::dvec3(2.7, 2.1, 1.8)}) {
     const Pictures pictures = drawn(test::cornerScene(), gatherer, shaded, corner(eye));
-    const double quality = psnrOf(pictures);
+    const double quality = test::psnrOf(pictures.engine, pictures.viewer);
     std::printf("PSNR %.2f dB, %llu pixels uncovered\n", quality,
                 static_cast<unsigned long long>(pictures.uncovered));
     EXPECT_GE(quality, 40.0);
@@ -148,7 +69,7 @@ Scene leafScene() {
 void compareMasked(GathererKind gatherer) {
   const View view = corner({3.0, 2.0, 2.0});
   const Pictures pictures = drawn(leafScene(), gatherer, view, view);
-  EXPECT_GE(psnrOf(pictures), 35.0);
+  EXPECT_GE(test::psnrOf(pictures.engine, pictures.viewer), 35.0);
   // Holes show what is behind, and what is behind was not hidden when it was shaded.
   const Pictures without = drawn(test::cornerScene(), gatherer, view, view);
   std::size_t leaf = 0;
@@ -170,6 +91,50 @@ void compareMasked(GathererKind gatherer) {
 
 TEST_F(ViewDisplay, MasksHaveTheirHolesRect) { compareMasked(GathererKind::Rect); }
 TEST_F(ViewDisplay, MasksHaveTheirHolesTess) { compareMasked(GathererKind::Tess); }
+
+TEST_F(ViewDisplay, TheLensIsTheEnginesForEachEye) {
+  const View view = corner({3.0, 2.0, 2.0});
+  const Lens lens{0.5, 0.3, {0.98, 1.0, 1.03}};
+  test::Streamed both = test::streamed(test::cornerScene(), GathererKind::Rect, view, {.lens = lens});
+  ASSERT_TRUE(both);
+  const auto engines = [&](const View& shown) {
+    both.engine->display(shown);
+    auto bent = both.engine->distort(lens);
+    EXPECT_TRUE(bent) << bent.error().message;
+    return both.engine->readColor();
+  };
+  both.display->draw(cameraOf(view));
+  const Image one = both.display->read();
+  EXPECT_GE(test::psnrOf(engines(view), one), 40.0);
+  both.engine->display(view);
+  const auto straight = psnr(both.engine->readColor(), one);
+  ASSERT_TRUE(straight);
+  EXPECT_LT(*straight, 25.0) << "no lens";
+
+  // An odd width: the last column belongs to no eye.
+  constexpr double kEyeDistance = 0.3;
+  View wide = view;
+  wide.width = 2 * view.width + 1;
+  wire::Camera camera = view::resized(cameraOf(view), static_cast<std::uint32_t>(wide.width),
+                                      static_cast<std::uint32_t>(view.height));
+  both.display->drawStereo(camera, kEyeDistance);
+  const Image pair = both.display->read();
+  ASSERT_EQ(pair.width, wide.width);
+  const auto eyes = stereoViews(view, kEyeDistance);
+  for (int side = 0; side < 2; ++side) {
+    Image half{view.width, view.height, std::vector<std::uint8_t>(one.pixels.size())};
+    for (int y = 0; y < half.height; ++y)
+      std::copy_n(pair.at(side * view.width, y), static_cast<std::size_t>(4 * half.width), half.at(0, y));
+    EXPECT_GE(test::psnrOf(engines(eyes[static_cast<std::size_t>(side)]), half), 40.0) << side;
+  }
+  EXPECT_EQ(pair.at(pair.width - 1, 7)[3], 0);
+}
+
+TEST_F(ViewDisplay, RefusesALensThatFolds) {
+  const auto display = view::StreamedDisplay::create(test::context(), {.lens = Lens{-1.0, 0.0, {1, 1, 1}}});
+  ASSERT_FALSE(display);
+  EXPECT_NE(display.error().message.find("lens"), std::string::npos) << display.error().message;
+}
 
 TEST_F(ViewDisplay, ShowsTheBackgroundBeforeTheFirstFrame) {
   auto display = view::StreamedDisplay::create(test::context());

@@ -64,7 +64,8 @@ Result<void> serve(const ServeOptions& options) {
   std::vector<wire::MaskImage> masks = masksOf(*scene);
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
-  setup->request = {.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = false};
+  setup->request = {
+      .rect = true, .displayGeometry = true, .displayDeferred = false, .forward = false, .blended = true};
   setup->visiblePixels = options.regions;
   setup->progress = step;
   auto engine = Engine::create(**context, std::move(*scene), std::move(*stage), *setup);

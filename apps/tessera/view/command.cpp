@@ -12,6 +12,9 @@ Result<void> run(ViewOptions& options) {
   options.server = *server;
   if (!options.token.empty() && options.keys.empty())
     return fail("--token needs --keys: the folder of this side's certificate and pairings");
+  const auto lens = lensOf(options.lensText);
+  if (!lens) return tl::unexpected(lens.error());
+  options.lens = *lens;
   if (options.headless) return viewHeadless(options);
 #ifdef TESSERA_HAS_WINDOW
   return viewWindow(options);
@@ -49,6 +52,7 @@ Run addView(CLI::App& app) {
   command.add_option("--stats", options->stats, "JSON file for what was measured");
   command.add_option("--csv", options->csv, "CSV file for the overlay's figures, a row a frame");
   command.add_flag("--stereo", options->stereo, "two eyes side by side");
+  addLens(command, options->lensText);
   return [=](const std::string&) { return run(*options); };
 }
 

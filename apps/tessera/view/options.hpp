@@ -1,6 +1,7 @@
 // What `tessera view` is asked for.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct ViewOptions {
   std::string stats;
   std::string csv;
   bool stereo = false;
+  std::optional<std::string> lensText;  // as addLens takes it
+  std::optional<Lens> lens;             // `lensText`, parsed
   std::vector<double> eye{0.0, 1.6, 0.0};
   std::vector<double> target{0.0, 1.6, -1.0};
   double fovY = 60.0;

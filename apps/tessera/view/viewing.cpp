@@ -38,7 +38,7 @@ int Flight::frames(double fps) const {
 
 Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& context) {
   Viewing viewing(options);
-  auto display = view::StreamedDisplay::create(context);
+  auto display = view::StreamedDisplay::create(context, {.lens = options.lens});
   if (!display) return tl::unexpected(display.error());
   viewing.display_.emplace(std::move(*display));
   view::SessionOptions session;

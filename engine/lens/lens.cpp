@@ -1,8 +1,8 @@
-// The display through a lens: what may be a lens, and the pass that draws through it.
+#include "engine/lens/lens.hpp"
+
 #include <algorithm>
 #include <cmath>
 
-#include "engine/frame/engine_state.hpp"
 #include "glsl/shared/bindings.h"
 
 namespace tessera {
@@ -42,28 +42,23 @@ Result<void> check(const Lens& lens) {
 
 double lensFill(const Lens& lens) { return (1.0 + lens.k1 + lens.k2) * largestChannel(lens); }
 
-Result<void> Engine::distort(const Lens& lens) {
-  State& s = *s_;
-  if (auto good = check(lens); !good) return good;
-  if (s.distort == nullptr) return fail("{}: the plan has no pass that draws through a lens", s.scene.file);
-  if (!s.picture.color) return fail("{}: no picture was drawn yet to see through a lens", s.scene.file);
-  const auto guard = s.guard();
-  const int width = s.picture.color.width();
-  const int height = s.picture.color.height();
-  s.distorted.resize(width, height, nullptr);
-  s.pass("distort", [&] {
-    s.distort->use();
-    s.picture.color.bind(UNIT_PICTURE);
-    gl::api().BindImageTexture(0, s.distorted.encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
-    const glm::vec3 numbers(lens.k1, lens.k2, lensFill(lens));
-    const glm::vec3 channels(lens.channelScale);
-    gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_LENS, 1, &numbers.x);
-    gl::api().ProgramUniform3fv(s.distort->get(), LOCATION_CHANNELS, 1, &channels.x);
-    gl::dispatchOver(width, height);
-  });
-  State::afterPictureStore();
-  s.throughLens = true;
-  return {};
+Result<LensPass> LensPass::create(gl::ProgramCache& programs) {
+  auto program = programs.get({"pass/distort.comp"});
+  if (!program) return tl::unexpected(program.error());
+  LensPass pass;
+  pass.program_ = *program;
+  return pass;
+}
+
+void LensPass::draw(const gl::Texture& picture, const gl::Texture& encoded, const Lens& lens) const {
+  program_->use();
+  picture.bind(UNIT_PICTURE);
+  gl::api().BindImageTexture(0, encoded.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8);
+  const glm::vec3 numbers(lens.k1, lens.k2, lensFill(lens));
+  const glm::vec3 channels(lens.channelScale);
+  gl::api().ProgramUniform3fv(program_->get(), LOCATION_LENS, 1, &numbers.x);
+  gl::api().ProgramUniform3fv(program_->get(), LOCATION_CHANNELS, 1, &channels.x);
+  gl::dispatchOver(picture.width(), picture.height());
 }
 
 }  // namespace tessera

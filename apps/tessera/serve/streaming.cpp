@@ -95,6 +95,7 @@ nlohmann::json Streaming::statistics() const {
           {"meta_mbit_s", megabits(metaBytes_, watched_)},
           {"sent_video_bytes", sentBytes_},
           {"i_frames", iFrames_},
+          {"atlas_resets", resetFrames_},
           {"frames_not_coded", uncoded_}};
 }
 
@@ -148,6 +149,19 @@ void Streaming::holdReset(bool held) {
   if (TessAtlas* tess = engine_.tess(); tess != nullptr) tess->memory().holdReset(held);
 }
 
+/// Whether the atlas was reset in this frame, and whether it waits for an I-frame to be: then one is wished
+/// for.
+void Streaming::noteReset() {
+  const auto of = [](const auto& state) { return Resets{state.resets, state.pressure.pending != 0}; };
+  Resets now;
+  if (const RectAtlas* atlas = engine_.atlas(); atlas != nullptr) now = of(atlas->memory().readState());
+  if (const TessAtlas* tess = engine_.tess(); tess != nullptr) now = of(tess->memory().readState());
+  reset_ = now.count != resets_.count;
+  resetFrames_ += reset_ ? 1 : 0;
+  wish_ = wish_ || now.pending;
+  resets_ = now;
+}
+
 /// Numbers a frame; whether it is an I-frame.
 bool Streaming::beginFrame() {
   ++frame_;
@@ -189,26 +203,35 @@ Result<void> Streaming::frame(double time) {
   timed(times_.read, [&] {
     elements = feed_.visible(engine_);
     objects = feed_.objects(engine_);
+    noteReset();
   });
   // Before the messages, so that both are made at once.
   coding_.push(std::move(planes->planes), frame_, iFrame);
-  timed(times_.meta, [&] { tellFrame(time, iFrame, elements, objects); });
+  timed(times_.meta, [&] {
+    wire::FrameHeader header;
+    header.frame = frame_;
+    header.iFrame = iFrame;
+    header.atlasReset = reset_;
+    header.time = time;
+    // Tessellated samples are even in the picture of the first view that was placed.
+    header.camera = cameraOf(ends_.front());
+    header.lights =
+        lightsOf(evaluateLights(engine_.scene(), engine_.state(), engine_.stage(), time), header.camera.eye);
+    tellFrame(header, elements, objects);
+  });
   return {};
 }
 
-void Streaming::tellFrame(double time, bool iFrame, const std::vector<wire::VisibleElement>& elements,
+/// To each viewer by its own pose.
+void Streaming::tellFrame(const wire::FrameHeader& told, const std::vector<wire::VisibleElement>& elements,
                           const std::vector<wire::ObjectTransform>& objects) {
   std::vector<transport::ViewerId> ids;
   for (const auto& [id, viewer] : viewers_.all())
     if (viewer.watches()) ids.push_back(id);
   for (const transport::ViewerId id : ids) {
     Viewer& viewer = viewers_.all().at(id);
-    wire::FrameHeader header;
-    header.frame = frame_;
-    header.iFrame = iFrame;
-    header.time = time;
-    // Tessellated samples are even in the picture of the first view that was placed.
-    header.camera = cameraOf(ends_.front());
+    wire::FrameHeader header = told;
+    header.pose = viewer.pose;
     const View own = viewer.track.last()->view;
     const std::optional<View> later = viewer.track.at(viewer.track.last()->time + viewer.latency);
     const double reach = (later ? glm::length(later->eye - own.eye) : 0.0) + 4.0 * own.zNear;

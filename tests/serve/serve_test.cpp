@@ -140,8 +140,10 @@ bool stepUntil(std::initializer_list<Watcher*> watchers, const Done& done) {
 }
 
 std::vector<std::string> arguments(const std::string& listen, std::vector<std::string> more = {}) {
-  std::vector<std::string> all = {"serve", kScene, "--listen",     listen, "--context", "osmesa",
-                                  "--fps", "10",   "--atlas-mpix", "0.5",  "--bitrate", "4M"};
+  std::vector<std::string> all = {"serve",  kScene,  "--listen", listen,      "--context",
+                                  "osmesa", "--fps", "10",       "--bitrate", "4M"};
+  if (std::find(more.begin(), more.end(), "--atlas-mpix") == more.end())
+    more.insert(more.end(), {"--atlas-mpix", "0.5"});
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -234,16 +236,14 @@ TEST(Serve, GarbageEndsOneViewerAlone) {
 
 // The atlas is too small for the view: it is reset under pressure. Without regular I-frames nobody but the
 // reset asks for one.
-void expectResets(const std::vector<std::string>& method) {
-  std::vector<std::string> more = {"--i-frames", "0", "--atlas-mpix", "0.1", "--high-water", "0.5"};
-  more.insert(more.end(), method.begin(), method.end());
-  Served server("127.0.0.1:0", more);
+void expectResets(const std::string& method, const std::string& megapixels) {
+  Served server("127.0.0.1:0", {"--i-frames", "0", "--method", method, "--atlas-mpix", megapixels});
   Watcher watcher(server.address);
   watcher.stride = 0.1;
   EXPECT_TRUE(stepUntil({&watcher}, [&] { return watcher.resets >= 2; })) << server.program.said();
 }
-TEST(Serve, AResetOfPatchesGetsItsIFrame) { expectResets({}); }
-TEST(Serve, AResetOfTrianglesGetsItsIFrame) { expectResets({"--method", "tess"}); }
+TEST(Serve, AResetOfPatchesGetsItsIFrame) { expectResets("rect", "0.0625"); }
+TEST(Serve, AResetOfTrianglesGetsItsIFrame) { expectResets("tess", "0.25"); }
 
 TEST(Serve, AServerThatReturnsIsFoundAgain) {
   auto server = std::make_unique<Served>();

@@ -181,16 +181,20 @@ Result<void> Streaming::frame(double time) {
   const bool iFrame = beginFrame();
   // All blocks move in a reset: only a frame that builds on none shows that at no cost.
   holdReset(!iFrame);
+  // Between its parts the frame before is sent as soon as it is coded, not a frame later.
   timed(times_.visible, [&] { engine_.findVisible(views); });
+  sendCoded();
   Result<void> placed;
   timed(times_.place, [&] { placed = engine_.place(ends_); });
   if (!placed) return placed;
+  sendCoded();
   const gl::Texture& atlas = engine_.gatherer()->atlas().encoded;
   timed(times_.shade, [&] {
     // What is free is black where it costs bits: in frames that build on none.
     if (iFrame) gl::api().ClearTexImage(atlas.get(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     engine_.shade(shadedFrom_, options_.shade);
   });
+  sendCoded();
   std::optional<YuvPacker::Read> planes;
   Result<void> packed;
   timed(times_.convert, [&] {

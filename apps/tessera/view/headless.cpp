@@ -20,7 +20,8 @@ Result<void> viewHeadless(const ViewOptions& options) {
   const auto frames = [&] {
     return options.frames > 0 ? options.frames : viewing->flight().frames(options.fps);
   };
-  while (viewing->framesShown() < frames()) {
+  stopOnSignals();
+  while (viewing->framesShown() < frames() && !stopAsked()) {
     // The path begins with the first picture.
     const double time = viewing->framesShown() / options.fps;
     if (auto done = viewing->step(viewing->flight().at(time)); !done) return done;

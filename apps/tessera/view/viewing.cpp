@@ -1,6 +1,7 @@
 #include "apps/tessera/view/viewing.hpp"
 
 #include <cmath>
+#include <csignal>
 
 #include <nlohmann/json.hpp>
 
@@ -105,6 +106,16 @@ Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& co
   return viewing;
 }
 
+std::atomic<bool>& stopAsked() {
+  static std::atomic<bool> asked = false;
+  static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal");
+  return asked;
+}
+
+void stopOnSignals() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopAsked() = true; });
+}
+
 double Viewing::seconds() const { return view::millisecondsBetween(started_, view::Clock::now()) * 1e-3; }
 
 Result<void> Viewing::step(const wire::Camera& camera) {
@@ -156,7 +167,7 @@ Result<void> Viewing::shown() {
     const double median = latency(static_cast<view::Stage>(i));
     csv_ << (median < 0.0 ? std::string(",") : fmt::format(",{:.2f}", median));
   }
-  csv_ << '\n';
+  csv_ << std::endl;  // whoever follows the file sees whole rows
   if (!csv_) return fail("--csv {}: cannot be written", options_->csv);
   return {};
 }
@@ -183,6 +194,8 @@ Result<void> Viewing::writeStats() const {
       {"video_mbit_s", 8e-6 * static_cast<double>(f.videoBytes) / connected},
       {"meta_mbit_s", 8e-6 * static_cast<double>(f.metaBytes) / connected},
       {"loss_percent", f.lossPercent()},
+      {"i_frames_asked", f.askedIFrames},
+      {"reconnects", f.reconnects},
       {"latency_ms", stages},
       {"pvs_miss_pixels",
        framesShown_ == 0 ? 0.0 : static_cast<double>(uncoveredSum_) / static_cast<double>(framesShown_)}};

@@ -1,6 +1,7 @@
 // A viewer's display loop without what it is shown on: poses out, frames in, figures kept.
 #pragma once
 
+#include <atomic>
 #include <fstream>
 #include <optional>
 
@@ -33,6 +34,10 @@ class Flight {
   std::optional<wire::Camera> camera_;
   glm::ivec2 size_{0};
 };
+
+/// From stopOnSignals() on, whether SIGINT or SIGTERM came: what was measured is written then too.
+std::atomic<bool>& stopAsked();
+void stopOnSignals();
 
 class Viewing {
  public:

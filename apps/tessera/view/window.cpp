@@ -129,7 +129,8 @@ Result<void> viewWindow(const ViewOptions& options) {
   bool held = false;
   double before = glfwGetTime();
   std::optional<double> pathStart;
-  while (glfwWindowShouldClose((*window)->get()) == GLFW_FALSE &&
+  stopOnSignals();
+  while (glfwWindowShouldClose((*window)->get()) == GLFW_FALSE && !stopAsked() &&
          (options.frames == 0 || viewing->framesShown() < options.frames)) {
     glfwPollEvents();
     if ((*window)->pressed(GLFW_KEY_ESCAPE)) break;

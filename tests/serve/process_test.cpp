@@ -1,132 +1,20 @@
 // Server and viewer as two processes, over a good network and a bad one: what the viewer shows, what it says
 // of it, and that either may die and come back.
-#include <algorithm>
-#include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <map>
-#include <sstream>
-#include <thread>
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include "engine/image/image.hpp"
 #include "engine/measure/metrics.hpp"
-#include "tests/serve/program.hpp"
+#include "tests/serve/processes.hpp"
 #include "tests/transport/proxy.hpp"
 
 namespace tessera {
 namespace {
 
-namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-const std::string kScene = TESSERA_SOURCE_DIR "/assets/atrium.glb";
-constexpr int kSeconds = 60;  // that anything may take on a busy machine
-constexpr int kLatestHeal = 10;
+using test::kSeconds;
+using test::Server;
+using test::Viewer;
+using test::waitFor;
 
-struct Server {
-  explicit Server(const std::string& listen = "127.0.0.1:0", const std::vector<std::string>& more = {})
-      : program(arguments(listen, more)) {
-    EXPECT_TRUE(program.waitFor("x264", kSeconds)) << program.said();
-    address = program.after("listening on ");
-  }
-  static std::vector<std::string> arguments(const std::string& listen, const std::vector<std::string>& more) {
-    std::vector<std::string> all = {"serve",  kScene,  "--listen", listen,         "--context",
-                                    "osmesa", "--fps", "8",        "--atlas-mpix", "0.25"};
-    // Few packets a frame: with 5 % loss most frames come whole.
-    if (std::find(more.begin(), more.end(), "--bitrate") == more.end())
-      all.insert(all.end(), {"--bitrate", "300k"});
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }
-  test::Program program;
-  std::string address;
-};
-
-/// A row of --csv.
-struct Row {
-  double time = 0.0;
-  std::uint32_t frame = 0;
-  bool live = false;
-};
-
-/// `tessera view` without a window, and the files that it writes.
-class Viewer {
- public:
-  Viewer(const std::string& name, const std::string& address, const std::vector<std::string>& more = {})
-      : folder_(fs::path(testing::TempDir()) / ("serve_process_" + name)) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-    std::vector<std::string> all = {"view",      address,   "--headless", "--context", "osmesa",
-                                    "--size",    "160x90",  "--fps",      "12",        "--csv",
-                                    file("csv"), "--stats", file("json"), "--record",  file("shown")};
-    if (std::find(more.begin(), more.end(), "--frames") == more.end())
-      all.insert(all.end(), {"--frames", "100000"});
-    all.insert(all.end(), more.begin(), more.end());
-    program_ = std::make_unique<test::Program>(all);
-  }
-  [[nodiscard]] std::string file(const std::string& what) const { return (folder_ / what).string(); }
-  test::Program& program() { return *program_; }
-
-  /// Whole rows so far.
-  [[nodiscard]] std::vector<Row> rows() const {
-    std::vector<Row> rows;
-    std::ifstream csv(file("csv"));
-    std::string line;
-    std::getline(csv, line);
-    while (std::getline(csv, line) && !csv.eof()) {
-      std::istringstream values(line);
-      Row row;
-      double frameMs = 0.0;
-      int live = 0;
-      char comma = 0;
-      values >> row.time >> comma >> frameMs >> comma >> row.frame >> comma >> live;
-      row.live = live != 0;
-      rows.push_back(row);
-    }
-    return rows;
-  }
-  /// Atlas frame that was shown last; 0 before the first.
-  [[nodiscard]] std::uint32_t shown() const {
-    const auto all = rows();
-    return all.empty() ? 0 : all.back().frame;
-  }
-  /// Ends it, and takes what it measured.
-  nlohmann::json end() {
-    EXPECT_EQ(program_->end(SIGTERM), 0) << program_->said();
-    return nlohmann::json::parse(std::ifstream(file("json")), nullptr, false);
-  }
-  /// The first picture of each atlas frame; after end().
-  [[nodiscard]] std::map<std::uint32_t, Image> pictures() const {
-    std::map<std::uint32_t, Image> all;
-    int number = 0;
-    for (const Row& row : rows()) {
-      if (row.frame == 0) continue;
-      ++number;
-      if (all.contains(row.frame)) continue;
-      auto picture = readImage(file("shown") + fmt::format("/{:04}.png", number));
-      EXPECT_TRUE(picture) << picture.error().message;
-      if (picture) all.emplace(row.frame, std::move(*picture));
-    }
-    return all;
-  }
-
- private:
-  fs::path folder_;
-  std::unique_ptr<test::Program> program_;
-};
-
-template <class Holds>
-bool waitFor(const Holds& holds) {
-  const auto end = Clock::now() + std::chrono::seconds(kSeconds);
-  while (!holds()) {
-    if (Clock::now() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
-}
+constexpr int kLatestHeal = 10;  // server's frames after an outage
 
 /// PSNR in dB; infinite for pictures that are the same.
 double alike(const Image& a, const Image& b) {
@@ -251,7 +139,8 @@ TEST(Processes, CamerasAreTheStages) {
   Viewer there("there", server.address,
                {"--eye", "10.2,1.75,4.1", "--target", "0,2.4,-0.4", "--fov-y", "65", "--frames", "3"});
   for (Viewer* viewer : {&start, &tour, &there})
-    ASSERT_TRUE(waitFor([&] { return fs::exists(viewer->file("json")); })) << viewer->program().said();
+    ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(viewer->file("json")); }))
+        << viewer->program().said();
   const auto first = [](const Viewer& viewer) {
     const auto picture = readImage(viewer.file("shown") + "/0001.png");
     EXPECT_TRUE(picture) << picture.error().message;

@@ -5,6 +5,7 @@
 #   ./run.sh test --sanitize   the CPU tests and the hard cases under AddressSanitizer and UBSan, in a build of their own
 #   ./run.sh fuzz --seconds N  scenes, JSON, video, messages and packets under a fuzzer (installs clang), N seconds each
 #   ./run.sh soak              the atlas memory over hundreds of thousands of random frames
+#   ./run.sh soak-stream [--minutes N]  server and viewer over a bad network for N minutes (10), with their memory watched
 #   ./run.sh build             set up and build
 #   ./run.sh tessera ARGS...   run the program
 #   ./run.sh check             clang-format and clang-tidy
@@ -126,6 +127,16 @@ case "$command" in
     say "the atlas memory, for long"
     TESSERA_SOAK=1 ctest --test-dir "$build" -R '^memory' --output-on-failure --no-tests=error --timeout 7200 "$@"
     ;;
+  soak-stream)
+    minutes=10
+    if [ "${1:-}" = --minutes ]; then minutes=${2:-}; fi
+    step="reading '--minutes $minutes'"
+    hint="N of --minutes N is a whole number above 0"
+    [[ "$minutes" =~ ^[1-9][0-9]*$ ]] || exit 2
+    build_all
+    say "serving and viewing for $minutes min"
+    TESSERA_SOAK_MINUTES=$minutes "$build/tests/serve/test_processes" --gtest_filter='Soak.*'
+    ;;
   demo)
     build_all
     say "comparing the methods on assets/atrium.glb"
@@ -149,7 +160,7 @@ case "$command" in
     git ls-files 'engine/*.cpp' 'atlas/*.cpp' 'codec/*.cpp' 'apps/*.cpp' ':!engine/scene/gltf_tinygltf.cpp' | xargs -P 2 -n 4 clang-tidy -p "$build" --quiet
     ;;
   help | -h | --help)
-    sed -n '2,10p' "$root/run.sh" | sed 's/^# \{0,1\}//'
+    sed -n '2,11p' "$root/run.sh" | sed 's/^# \{0,1\}//'
     ;;
   *)
     hint="./run.sh help lists the commands"

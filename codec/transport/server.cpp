@@ -468,6 +468,12 @@ Result<std::unique_ptr<Server>> Server::start(ServerOptions options) {
   return std::unique_ptr<Server>(new Server(std::move(state)));
 }
 
+Result<void> Server::check(ServerOptions options) {
+  State state(std::move(options));
+  if (auto prepared = state.prepare(); !prepared) return prepared;
+  return state.listen();
+}
+
 const Address& Server::address() const { return state_->address; }
 const std::string& Server::fingerprint() const { return state_->shownFingerprint; }
 std::vector<ServerEvent> Server::poll() { return state_->poll(); }

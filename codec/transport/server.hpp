@@ -71,6 +71,9 @@ class Server {
   /// Fails for an address that cannot be listened on, a remote one without a token, a token that is none, and
   /// what the folder holds being unusable.
   static Result<std::unique_ptr<Server>> start(ServerOptions options);
+  /// Whether start() would fail now, for a program that has much to load before it listens: in the same
+  /// words. Makes the certificate, where that is needed and not there.
+  static Result<void> check(ServerOptions options);
   /// Tells the viewers, and waits for that at most 300 ms.
   ~Server();
   Server(const Server&) = delete;

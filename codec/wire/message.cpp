@@ -17,13 +17,15 @@ struct KindEntry {
 constexpr std::size_t kText = 2 + kMostTextBytes;
 constexpr std::size_t kCamera = 104;
 constexpr std::size_t kLight = 52;
-constexpr std::array<KindEntry, 9> kKinds = {
+constexpr std::size_t kPathKey = 64;
+constexpr std::array<KindEntry, 10> kKinds = {
     {{Kind::Hello, "hello", 9 + kText},
      {Kind::Refusal, "refusal", 5 + kText},
-     {Kind::Setup, "setup", 24 + kText},
-     {Kind::Frame, "frame", 20 + kCamera + kLight* kMostLights},
+     {Kind::Setup, "setup", 24 + kCamera + kText},
+     {Kind::Frame, "frame", 24 + kCamera + kLight* kMostLights},
      {Kind::Geometry, "geometry", std::size_t{64} << 20},
      {Kind::Mask, "mask", 20 + std::size_t{kMostMaskSide} * kMostMaskSide},
+     {Kind::Path, "path", 4 + kPathKey* kMostPathKeys + kText},
      {Kind::Acknowledge, "acknowledge", 16},
      {Kind::Pose, "pose", 16 + kCamera},
      {Kind::AskIFrame, "ask for an I-frame", 4}}};
@@ -71,14 +73,16 @@ struct Writer {
     out.u8(static_cast<std::uint8_t>(m.chroma));
     out.u8(static_cast<std::uint8_t>(m.matrix));
     out.u8(m.fullRange ? 1 : 0);
-    out.u16(0);
+    out.u16(m.paths);
     for (const std::uint32_t value : {m.width, m.height, m.fpsNumerator, m.fpsDenominator}) out.u32(value);
+    write(out, m.start);
     out.text(cut(m.video));
   }
   void operator()(const FrameHeader& m) const {
     out.u32(m.frame);
     out.u8(static_cast<std::uint8_t>((m.iFrame ? 1 : 0) | (m.atlasReset ? 2 : 0)));
     pad(out, 3);
+    out.u32(m.pose);
     out.f64(m.time);
     write(out, m.camera);
     out.u32(static_cast<std::uint32_t>(m.lights.size()));
@@ -103,6 +107,16 @@ struct Writer {
     pad(out, 2);
     out.f32(m.cutoff);
     out.raw(m.alpha);
+  }
+  void operator()(const Path& m) const {
+    out.u32(static_cast<std::uint32_t>(m.keys.size()));
+    for (const PathKey& key : m.keys) {
+      out.f64(key.time);
+      for (const glm::dvec3& v : {key.eye, key.target})
+        for (int i = 0; i < 3; ++i) out.f64(v[i]);
+      out.f64(key.fovY);
+    }
+    out.text(cut(m.name));
   }
   void operator()(const Acknowledge& m) const {
     out.u32(m.geometryFrame);
@@ -172,6 +186,16 @@ class Checked {
     if (!(c.zNear > 0.0)) refuse("near plane", c.zNear);
     return c;
   }
+  PathKey pathKey() {
+    PathKey key;
+    key.time = finite("time of a key");
+    for (int i = 0; i < 3; ++i) key.eye[i] = finite("eye");
+    for (int i = 0; i < 3; ++i) key.target[i] = finite("target");
+    key.fovY = finite("angle of view");
+    if (key.eye == key.target) refuse("target and eye on axis x alike", key.eye.x);
+    if (!(key.fovY > 0.0 && key.fovY < 180.0)) refuse("angle of view", key.fovY);
+    return key;
+  }
   template <class M>
   Result<Message> done(M&& message) {
     if (in.failed()) return fail("{}: it ends early", nameOf(kind_));
@@ -211,6 +235,7 @@ bool sends(Role role, Kind kind) {
     case Kind::Frame:
     case Kind::Geometry:
     case Kind::Mask:
+    case Kind::Path:
       return role == Role::Server;
     case Kind::Acknowledge:
     case Kind::Pose:
@@ -267,11 +292,13 @@ Result<Message> decode(Kind kind, std::span<const std::uint8_t> body) {
       const std::uint8_t range = c.in.u8();
       if (range > 1) c.refuse("full range", int{range});
       m.fullRange = range == 1;
-      c.zero(2);
+      m.paths = c.in.u16();
+      if (m.paths > kMostPaths) c.refuse("number of paths", m.paths);
       m.width = c.between("width of the atlas", 1, 32767);
       m.height = c.between("height of the atlas", 1, 65535);
       m.fpsNumerator = c.between("numerator of the frame rate", 1, 1000000);
       m.fpsDenominator = c.between("denominator of the frame rate", 1, 1000000);
+      m.start = c.camera();
       m.video = c.in.text();
       return c.done(std::move(m));
     }
@@ -283,6 +310,7 @@ Result<Message> decode(Kind kind, std::span<const std::uint8_t> body) {
       m.iFrame = (flags & 1) != 0;
       m.atlasReset = (flags & 2) != 0;
       c.zero(3);
+      m.pose = c.in.u32();
       m.time = c.finite("time");
       m.camera = c.camera();
       const std::uint32_t lights = c.between("number of lights", 0, kMostLights);
@@ -319,6 +347,15 @@ Result<Message> decode(Kind kind, std::span<const std::uint8_t> body) {
       m.cutoff = c.finite32("cutoff");
       const auto alpha = c.in.raw(std::size_t{m.width} * m.height);
       m.alpha.assign(alpha.begin(), alpha.end());
+      return c.done(std::move(m));
+    }
+    case Kind::Path: {
+      Path m;
+      const std::uint32_t keys = c.between("number of keys", 1, kMostPathKeys);
+      for (std::uint32_t i = 0; i < keys && !c.in.failed(); ++i) m.keys.push_back(c.pathKey());
+      for (std::size_t i = 1; i < m.keys.size(); ++i)
+        if (!(m.keys[i].time > m.keys[i - 1].time)) c.refuse("time of a key after another", m.keys[i].time);
+      m.name = c.in.text();
       return c.done(std::move(m));
     }
     case Kind::Acknowledge: {

@@ -4,21 +4,21 @@
 //   header          u32 bytes that follow it, u8 kind, u8[3] zero
 //   1 hello         u32 kMagic, u16 oldest, u16 newest version spoken, u8 role, text token
 //   2 refusal       u8 reason, u16 oldest, u16 newest version that the refusing side speaks, text why
-//   3 setup         u16 version, u8 method, u8 chroma, u8 matrix, u8 full range, u16 zero, u32 atlas width,
-//   height,
-//                   u32 fps numerator, denominator, text video
-//   4 frame         u32 frame, u8 flags, u8[3] zero, f64 time, camera, u32 lights, then each: u8 type, u8[3]
-//   zero,
-//                   f32[3] position, f32[3] direction, f32[3] radiance, f32 range, f32 inner, f32 outer cone
+//   3 setup         u16 version, u8 method, u8 chroma, u8 matrix, u8 full range, u16 paths, u32 atlas width,
+//                   height, u32 fps numerator, denominator, start camera, text video
+//   4 frame         u32 frame, u8 flags, u8[3] zero, u32 pose, f64 time, camera, u32 lights, then each:
+//                   u8 type, u8[3] zero, f32[3] position, f32[3] direction, f32[3] radiance, f32 range,
+//                   f32 inner, f32 outer cone
 //   5 geometry      u32 frame, then what VisibleDelta::next gives
 //   6 mask          u16 number, u16 zero, u32 width, height, u8 wrap across, up, u8[2] zero, f32 cutoff,
 //                   u8[width * height] alpha, rows from the top
+//   7 path          u32 keys, then each: f64 time, f64[3] eye, f64[3] target, f64 angle; text name
 //   16 acknowledge  u32 geometry frame, u32 atlas frame, f64 the viewer's time
 //   17 pose         u32 number, u32 zero, f64 the viewer's time, camera
 //   18 ask for an I-frame   u32 last atlas frame that decoded
 //   camera          f64[3] eye, f64[4] orientation, f64[4] slopes, f64 near, u32 width, height: 104 bytes
 //
-// 1 and 2 go both ways, 3 to 6 to the viewer, 16 to 18 to the server.
+// 1 and 2 go both ways, 3 to 7 to the viewer, 16 to 18 to the server.
 #pragma once
 
 #include <cstdint>
@@ -38,6 +38,8 @@ inline constexpr std::size_t kHeaderBytes = 8;
 inline constexpr std::size_t kMostTextBytes = 4096;
 inline constexpr std::size_t kMostLights = 256;
 inline constexpr std::uint32_t kMostMaskSide = 4096;
+inline constexpr std::size_t kMostPaths = 256;
+inline constexpr std::size_t kMostPathKeys = 100'000;
 
 enum class Kind : std::uint8_t {
   Hello = 1,
@@ -46,6 +48,7 @@ enum class Kind : std::uint8_t {
   Frame = 4,
   Geometry = 5,
   Mask = 6,
+  Path = 7,
   Acknowledge = 16,
   Pose = 17,
   AskIFrame = 18
@@ -92,7 +95,9 @@ struct StreamSetup {
   std::uint32_t height = 0;
   std::uint32_t fpsNumerator = 30;  // > 0
   std::uint32_t fpsDenominator = 1;
-  std::string video;  // how the video is reached: a session description (RFC 8866)
+  std::uint16_t paths = 0;  // [0, kMostPaths]; so many Path messages come before the first frame
+  Camera start;             // where a viewer begins that was not told another place
+  std::string video;        // how the video is reached: a session description (RFC 8866)
 };
 
 enum class FrameLight : std::uint8_t { Directional = 1, Point = 2, Spot = 3 };
@@ -110,7 +115,9 @@ struct FrameHeader {
   std::uint32_t frame = 0;
   bool iFrame = false;      // the atlas frame of this number is one
   bool atlasReset = false;  // every place may have moved
-  double time = 0.0;        // the scene's, seconds
+  /// Number of the newest Pose of the viewer that is told, of those that the frame was made from; 0: of none.
+  std::uint32_t pose = 0;
+  double time = 0.0;  // the scene's, seconds
   Camera camera;
   std::vector<SentLight> lights;  // at most kMostLights
 };
@@ -133,6 +140,19 @@ struct MaskImage {
   std::vector<std::uint8_t> alpha;
 };
 
+/// Where a camera is at a time of its path.
+struct PathKey {
+  double time = 0.0;  // seconds
+  glm::dvec3 eye{0.0};
+  glm::dvec3 target{0.0, 0.0, -1.0};  // another point than the eye
+  double fovY = 60.0;                 // degrees, (0, 180)
+};
+/// A flight that the server's stage has, for a viewer to choose by its name.
+struct Path {
+  std::string name;
+  std::vector<PathKey> keys;  // [1, kMostPathKeys], their times rise
+};
+
 struct Acknowledge {
   std::uint32_t geometryFrame = 0;
   std::uint32_t atlasFrame = 0;
@@ -147,8 +167,8 @@ struct AskIFrame {
   std::uint32_t lastFrame = 0;
 };
 
-using Message =
-    std::variant<Hello, Refusal, StreamSetup, FrameHeader, Geometry, MaskImage, Acknowledge, Pose, AskIFrame>;
+using Message = std::variant<Hello, Refusal, StreamSetup, FrameHeader, Geometry, MaskImage, Path, Acknowledge,
+                             Pose, AskIFrame>;
 Kind kindOf(const Message& message);
 
 /// Header and body. A text past kMostTextBytes is cut there. Fails where the body would be past mostBytes():

@@ -19,13 +19,18 @@ Result<void> MessageOrder::accept(const Message& message) {
   if (!greeted_) return fail("{}: before a hello", nameOf(kind));
   if (!sends(peer_, kind))
     return fail("{}: from a {}", nameOf(kind), peer_ == Role::Server ? "server" : "viewer");
-  if (kind == Kind::Setup) {
+  if (const StreamSetup* setup = std::get_if<StreamSetup>(&message)) {
     if (setUp_) return fail("setup: a second one");
     setUp_ = true;
+    pathsToCome_ = setup->paths;
     return {};
   }
   if (peer_ == Role::Server && !setUp_) return fail("{}: before the setup", nameOf(kind));
-  if (const FrameHeader* frame = std::get_if<FrameHeader>(&message)) {
+  if (kind == Kind::Path) {
+    if (pathsToCome_ == 0) return fail("path: more of them than the setup said");
+    --pathsToCome_;
+  } else if (const FrameHeader* frame = std::get_if<FrameHeader>(&message)) {
+    if (pathsToCome_ > 0) return fail("frame {}: {} paths are still to come", frame->frame, pathsToCome_);
     if (!geometryDone_) return fail("frame {}: frame {} had no geometry", frame->frame, frame_);
     if (frame->frame <= frame_) return fail("frame {}: after frame {}", frame->frame, frame_);
     frame_ = frame->frame;

@@ -164,6 +164,39 @@ std::vector<wire::MaskImage> masksOf(const Scene& scene) {
   return masks;
 }
 
+std::vector<wire::SentLight> lightsOf(std::span<const LightSample> lights, const glm::dvec3& eye) {
+  std::vector<wire::SentLight> sent;
+  const auto finite = [](const auto& v) {
+    return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+  };
+  for (const LightSample& light : lights) {
+    wire::SentLight one;
+    one.type = light.type == LightType::Directional ? wire::FrameLight::Directional
+               : light.type == LightType::Spot      ? wire::FrameLight::Spot
+                                                    : wire::FrameLight::Point;
+    one.position = glm::vec3(light.position - eye);
+    one.direction = glm::vec3(light.direction);
+    one.radiance = light.radiance;
+    one.range = light.range;
+    one.innerCone = light.innerCone;
+    one.outerCone = light.outerCone;
+    if (!finite(one.position) || !finite(one.direction) || !finite(one.radiance)) continue;
+    if (sent.size() < wire::kMostLights) sent.push_back(one);
+  }
+  return sent;
+}
+
+std::vector<wire::Path> pathsOf(const Stage& stage) {
+  std::vector<wire::Path> paths;
+  for (const CameraPath& path : stage.paths) {
+    if (paths.size() == wire::kMostPaths) break;
+    wire::Path& sent = paths.emplace_back();
+    sent.name = path.name;
+    for (const CameraKey& key : path.keys) sent.keys.push_back({key.time, key.eye, key.target, key.fovY});
+  }
+  return paths;
+}
+
 GeometryFeed::GeometryFeed(const Engine& engine) {
   const Scene& scene = engine.scene();
   const DrawScene& draw = engine.drawScene();

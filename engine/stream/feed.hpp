@@ -2,6 +2,7 @@
 // frame.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "codec/wire/message.hpp"
@@ -29,6 +30,13 @@ inline constexpr double kFarthestEye = 1e9;  // metres from the origin, along ea
 /// of one alpha, has one texel. Images beyond wire::kMostMaskSide are halved.
 /// Of a scene before an engine takes it: that keeps no pixels.
 std::vector<wire::MaskImage> masksOf(const Scene& scene);
+
+/// Lights as a frame is told of them, places relative to `eye`. Those beyond wire::kMostLights are left out,
+/// and those whose place or radiance is not finite: the engine shades without them too.
+std::vector<wire::SentLight> lightsOf(std::span<const LightSample> lights, const glm::dvec3& eye);
+
+/// The camera paths of a stage; at most wire::kMostPaths.
+std::vector<wire::Path> pathsOf(const Stage& stage);
 
 class GeometryFeed {
  public:

@@ -54,6 +54,11 @@ bool Session::take() { return state_->frames.take(); }
 const ShadedFrame& Session::frame() const { return state_->frames.reading(); }
 Latency& Session::latency() { return state_->latency; }
 
+std::optional<Offer> Session::offer() const {
+  const std::lock_guard lock(state_->mutex);
+  return state_->offer;
+}
+
 Figures Session::figures() const {
   State& s = *state_;
   const std::lock_guard lock(s.mutex);

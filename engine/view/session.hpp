@@ -3,7 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "codec/transport/client.hpp"
 #include "engine/core/result.hpp"
@@ -18,6 +20,12 @@ struct SessionOptions {
   std::chrono::milliseconds askAgain{250};         // between two requests for an I-frame
   std::chrono::milliseconds stalled{1000};         // without a frame: the condition says so
   std::chrono::milliseconds longestBackoff{5000};  // after streams that were broken
+};
+
+/// Cameras that a server's stage brings.
+struct Offer {
+  wire::Camera start;
+  std::vector<wire::Path> paths;
 };
 
 class Session {
@@ -35,6 +43,8 @@ class Session {
   /// What take() took; of method Rect and empty before the first. The display's own until the next take().
   [[nodiscard]] const ShadedFrame& frame() const;
 
+  /// Of the newest connection that has said it; nothing before the first.
+  [[nodiscard]] std::optional<Offer> offer() const;
   [[nodiscard]] Figures figures() const;
   [[nodiscard]] Latency& latency();
 

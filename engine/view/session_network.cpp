@@ -1,6 +1,5 @@
 // The thread that talks with the server: messages in and out, and what the transport reports.
 #include <algorithm>
-#include <cmath>
 
 #include "codec/wire/handshake.hpp"
 #include "engine/view/session_state.hpp"
@@ -10,13 +9,6 @@ namespace tessera::view {
 namespace {
 
 constexpr std::size_t kRememberedPoses = 512;
-
-// What comes back has been through other forms of the same view.
-bool sameView(const wire::Camera& a, const wire::Camera& b) {
-  constexpr double kSame = 1e-9;
-  return glm::distance(a.eye, b.eye) < kSame &&
-         1.0 - std::abs(glm::dot(a.orientation, b.orientation)) < kSame;
-}
 
 }  // namespace
 
@@ -123,10 +115,20 @@ void Session::State::receive(wire::Message& message) {
         refusal->reason == wire::RefusalReason::Busy || refusal->reason == wire::RefusalReason::Closing;
     return giveUp("refused: " + oneLine(refusal->why), !passes);
   }
-  if (const auto* setup = std::get_if<wire::StreamSetup>(&message)) return pass({generation, *setup}, 0);
+  if (const auto* setup = std::get_if<wire::StreamSetup>(&message)) {
+    coming = {setup->start, {}};
+    pathsToCome = setup->paths;
+    offerWhenWhole();
+    return pass({generation, *setup}, 0);
+  }
+  if (auto* path = std::get_if<wire::Path>(&message)) {
+    coming.paths.push_back(std::move(*path));
+    --pathsToCome;
+    return offerWhenWhole();
+  }
   if (auto* header = std::get_if<wire::FrameHeader>(&message)) {
     const auto now = Clock::now();
-    const auto posed = sentPose(header->camera);
+    const auto posed = sentPose(header->pose);
     if (posed != Clock::time_point{}) latency.add(Stage::Server, millisecondsBetween(posed, now));
     {
       const std::lock_guard lock(mutex);
@@ -144,15 +146,17 @@ void Session::State::receive(wire::Message& message) {
   }
 }
 
-// A camera that stands still is that of many poses: which of them it was is not known.
-Clock::time_point Session::State::sentPose(const wire::Camera& camera) const {
-  Clock::time_point found{};
-  for (const SentPose& sent : sentPoses) {
-    if (!sameView(sent.camera, camera)) continue;
-    if (found != Clock::time_point{}) return {};
-    found = sent.at;
-  }
-  return found;
+/// When the pose of this number was sent; the epoch for one that is none or too long ago.
+Clock::time_point Session::State::sentPose(std::uint32_t number) const {
+  const auto found = std::lower_bound(sentPoses.begin(), sentPoses.end(), number,
+                                      [](const SentPose& sent, std::uint32_t n) { return sent.number < n; });
+  return found != sentPoses.end() && found->number == number ? found->at : Clock::time_point{};
+}
+
+void Session::State::offerWhenWhole() {
+  if (pathsToCome > 0) return;
+  const std::lock_guard lock(mutex);
+  offer = std::move(coming);
 }
 
 void Session::State::countVideo() {
@@ -183,7 +187,7 @@ void Session::State::sendWhatWaits() {
     const bool due = secondsOf(now) - secondsOf(lastPose) >= 1.0 / options.posesPerSecond;
     if (nextPose && due) {
       messages.emplace_back(wire::Pose{++poseNumber, secondsOf(now), *nextPose});
-      sentPoses.push_back({*nextPose, now});
+      sentPoses.push_back({poseNumber, now});
       if (sentPoses.size() > kRememberedPoses) sentPoses.pop_front();
       lastPose = now;
       nextPose.reset();

@@ -51,7 +51,8 @@ class Session::State {
   void giveUp(std::string reason, bool final);
   void countVideo();
   void sendWhatWaits();
-  Clock::time_point sentPose(const wire::Camera& camera) const;
+  void offerWhenWhole();
+  [[nodiscard]] Clock::time_point sentPose(std::uint32_t number) const;
 
   // The decoder's and the one that applies: session_work.cpp.
   void decode();
@@ -72,13 +73,15 @@ class Session::State {
 
   // Of the network's thread alone.
   struct SentPose {
-    wire::Camera camera;
+    std::uint32_t number;
     Clock::time_point at;
   };
   std::unique_ptr<transport::Client> client;
   wire::MessageParser parser{wire::Role::Server};
   wire::MessageOrder order{wire::Role::Server};
-  std::deque<SentPose> sentPoses;
+  std::deque<SentPose> sentPoses;  // numbers rise
+  Offer coming;                    // as far as it has come
+  int pathsToCome = 0;
   std::uint32_t poseNumber = 0;
   Clock::time_point lastPose{};
   std::optional<Clock::time_point> retryAt;
@@ -96,6 +99,7 @@ class Session::State {
   std::vector<wire::Message> outbox;
   std::optional<std::pair<Generation, std::string>> broken;
   Figures figures;
+  std::optional<Offer> offer;
   bool connected = false;
   bool final = false;
   std::string trouble;  // why there is no connection

@@ -41,6 +41,21 @@ TEST(AnnexB, TheFirstUnitAlone) {
     EXPECT_FALSE(firstNal(none, nal, end)) << none.size();
 }
 
+TEST(AnnexB, StartCodesAreMadeLong) {
+  EXPECT_EQ(withLongStartCodes(Bytes{0, 0, 1, 0x67, 5, 0, 0, 0, 1, 0x68, 0, 0, 1, 0x65, 1, 2}),
+            (Bytes{0, 0, 0, 1, 0x67, 5, 0, 0, 0, 1, 0x68, 0, 0, 0, 1, 0x65, 1, 2}));
+  EXPECT_EQ(withLongStartCodes(Bytes{9, 0, 0, 1, 0x41, 7, 0, 0}), (Bytes{0, 0, 0, 1, 0x41, 7}))
+      << "neither what comes before nor trailing zeroes";
+  EXPECT_EQ(withLongStartCodes(Bytes{0, 0, 1, 0x41, 0, 0, 3, 1}), (Bytes{0, 0, 0, 1, 0x41, 0, 0, 3, 1}))
+      << "what is escaped stays so";
+  EXPECT_EQ(withLongStartCodes(Bytes{}), Bytes{});
+  EXPECT_EQ(withLongStartCodes(Bytes{1, 2, 3}), Bytes{});
+  // Once more changes nothing.
+  const Bytes once = withLongStartCodes(Bytes{0, 0, 1, 0x67, 5, 0, 0, 1, 0x68, 4, 0, 0, 0, 0, 1, 0x65, 1});
+  EXPECT_EQ(withLongStartCodes(once), once);
+  EXPECT_EQ(unitsOf(once), (std::vector<Bytes>{{0x67, 5}, {0x68, 4}, {0x65, 1}}));
+}
+
 TEST(AnnexB, EscapingKeepsStartCodesOut) {
   EXPECT_EQ(escape(Bytes{0, 0, 0}), (Bytes{0, 0, 3, 0}));
   EXPECT_EQ(escape(Bytes{0, 0, 1, 0, 0, 2, 0, 0, 3, 0, 0, 4}),

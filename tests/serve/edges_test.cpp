@@ -80,8 +80,26 @@ TEST(ServeEdges, BadArgumentsAreNamed) {
   expectRefused({"--bitrate", "much"}, "--bitrate");
   expectRefused({"--prediction", "reference"}, "nobody knows");
   expectRefused({"--token", "correct horse battery"}, "--keys");
-  expectRefused({"--listen", "0.0.0.0:0"}, "token");
-  expectRefused({"--listen", "127.0.0.1:0", "--encoder", "no_such_encoder"}, "no_such_encoder");
+}
+
+// A scene may take minutes to load: what needs none is said before it is looked for.
+TEST(ServeEdges, WhatNeedsNoSceneIsRefusedFirst) {
+  const auto expect = [](const std::vector<std::string>& more, const std::string& named) {
+    std::vector<std::string> all = {"serve", "no_such_scene.glb", "--context", "osmesa"};
+    all.insert(all.end(), more.begin(), more.end());
+    test::Program program(all);
+    EXPECT_TRUE(program.waitFor(named, kSeconds)) << named << " is not in: " << program.said();
+    EXPECT_EQ(program.said().find("no_such_scene"), std::string::npos) << program.said();
+    EXPECT_EQ(program.end(0), 2) << program.said();
+  };
+  expect({"--listen", "0.0.0.0:0"}, "listening there needs a pairing token");
+  expect({"--listen", "0.0.0.0:0", "--token", "short", "--keys", testing::TempDir() + "serve_keys"}, "token");
+  expect({"--listen", "127.0.0.1:0", "--encoder", "no_such_encoder"}, "no_such_encoder");
+  expect({"--listen", "127.0.0.1:0", "--format", "rgb10a2"}, "rgb10a2");
+  // Else it is the scene that is missing.
+  test::Program program({"serve", "no_such_scene.glb", "--listen", "127.0.0.1:0"});
+  EXPECT_TRUE(program.waitFor("no_such_scene", kSeconds)) << program.said();
+  EXPECT_EQ(program.end(0), 2);
 }
 
 TEST(ServeEdges, WhoSaysNoHelloIsDismissedAndNothingIsShadedForIt) {

@@ -151,5 +151,46 @@ TEST(Regions, ImportanceStaysWithinTwoHalvings) {
   EXPECT_EQ(regions[1].importance, 0.25);
 }
 
+TEST(Feed, LightsArePlacedFromTheEye) {
+  std::vector<LightSample> lights(4);
+  lights[0].type = LightType::Directional;
+  lights[0].direction = {0, 0, 1};
+  lights[1].type = LightType::Spot;
+  lights[1].position = {1e7, 2, 3};
+  lights[1].radiance = {4, 5, 6};
+  lights[1].range = 7;
+  lights[1].innerCone = 0.25f;
+  lights[1].outerCone = 0.5f;
+  lights[2].position.y = std::numeric_limits<double>::infinity();
+  lights[3].type = LightType::Point;
+  const auto sent = lightsOf(lights, {1e7, 1, 1});
+  ASSERT_EQ(sent.size(), 3u) << "one is nowhere";
+  EXPECT_EQ(sent[0].type, wire::FrameLight::Directional);
+  EXPECT_EQ(sent[0].direction, glm::vec3(0, 0, 1));
+  EXPECT_EQ(sent[1].type, wire::FrameLight::Spot);
+  EXPECT_EQ(sent[1].position, glm::vec3(0, 1, 2)) << "subtracted in double";
+  EXPECT_EQ(sent[1].radiance, glm::vec3(4, 5, 6));
+  EXPECT_EQ(sent[1].range, 7.0f);
+  EXPECT_EQ(sent[1].innerCone, 0.25f);
+  EXPECT_EQ(sent[1].outerCone, 0.5f);
+  EXPECT_EQ(sent[2].type, wire::FrameLight::Point);
+  // No more than a message may have.
+  EXPECT_EQ(lightsOf(std::vector<LightSample>(300), {}).size(), wire::kMostLights);
+}
+
+TEST(Feed, PathsAreTheStages) {
+  Stage stage;
+  stage.paths = {{"tour", {{0.5, {1, 2, 3}, {4, 5, 6}, 50.0}, {1.5, {}, {7, 8, 9}, 60.0}}}, {"walk", {{}}}};
+  const auto paths = pathsOf(stage);
+  ASSERT_EQ(paths.size(), 2u);
+  EXPECT_EQ(paths[0].name, "tour");
+  ASSERT_EQ(paths[0].keys.size(), 2u);
+  EXPECT_EQ(paths[0].keys[0].time, 0.5);
+  EXPECT_EQ(paths[0].keys[0].eye, glm::dvec3(1, 2, 3));
+  EXPECT_EQ(paths[0].keys[1].target, glm::dvec3(7, 8, 9));
+  EXPECT_EQ(paths[0].keys[0].fovY, 50.0);
+  EXPECT_EQ(paths[1].name, "walk");
+}
+
 }  // namespace
 }  // namespace tessera

@@ -51,13 +51,24 @@ class Program {
       if (said_.find(text) != std::string::npos) return true;
       pollfd one{output_, POLLIN, 0};
       if (::poll(&one, 1, 100) <= 0) continue;
-      char buffer[4096];
-      const ssize_t got = read(output_, buffer, sizeof(buffer));
-      if (got <= 0) return said_.find(text) != std::string::npos;
-      said_.append(buffer, static_cast<std::size_t>(got));
+      if (!readSome()) return said_.find(text) != std::string::npos;
     }
     return false;
   }
+  /// Reads what is there, so that the process never waits to be heard.
+  void drain() {
+    pollfd one{output_, POLLIN, 0};
+    while (::poll(&one, 1, 0) > 0)
+      if (!readSome()) return;
+  }
+  /// Whether it still runs.
+  [[nodiscard]] bool runs() {
+    siginfo_t info{};
+    return process_ > 0 &&
+           waitid(P_PID, static_cast<id_t>(process_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+           info.si_pid == 0;
+  }
+  [[nodiscard]] pid_t process() const { return process_; }
   /// All that was read so far.
   [[nodiscard]] const std::string& said() const { return said_; }
   /// The rest of the line behind `text`, which was waited for.
@@ -76,6 +87,12 @@ class Program {
   }
 
  private:
+  bool readSome() {
+    char buffer[4096];
+    const ssize_t got = read(output_, buffer, sizeof(buffer));
+    if (got > 0) said_.append(buffer, static_cast<std::size_t>(got));
+    return got > 0;
+  }
   pid_t process_ = -1;
   int output_ = -1;
   int status_ = -1;

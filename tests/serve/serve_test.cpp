@@ -40,6 +40,7 @@ class Watcher {
     for (transport::ClientEvent& event : client_->poll()) {
       if (std::holds_alternative<transport::Connected>(event)) {
         ++connections;
+        poses_ = lastPose = 0;
         parser_ = wire::MessageParser(wire::Role::Server);
         order_ = wire::MessageOrder(wire::Role::Server);
         mirror_.reset();
@@ -64,7 +65,7 @@ class Watcher {
       }
     }
     if (!setup) return;
-    view_.eye.x += 0.002;
+    view_.eye.x += stride;
     wire::Pose pose;
     pose.number = ++poses_;
     pose.time = std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
@@ -84,7 +85,12 @@ class Watcher {
   std::optional<wire::StreamSetup> setup;
   std::vector<std::uint32_t> geometryFrames, decodedFrames;
   std::vector<wire::MaskImage> masks;
+  std::vector<wire::Path> paths;
+  double stride = 0.002;  // metres from pose to pose
   bool sawIFrame = false;
+  int resets = 0;
+  std::uint32_t lastPose = 0;
+  std::vector<wire::SentLight> lights;
   int connections = 0;
 
  private:
@@ -94,8 +100,16 @@ class Watcher {
       mirror_.emplace(said->method, wire::AtlasSize{said->width, said->height});
     } else if (const auto* mask = std::get_if<wire::MaskImage>(&message)) {
       masks.push_back(*mask);
+    } else if (const auto* path = std::get_if<wire::Path>(&message)) {
+      paths.push_back(*path);
     } else if (const auto* frame = std::get_if<wire::FrameHeader>(&message)) {
       sawIFrame = sawIFrame || frame->iFrame;
+      EXPECT_LE(frame->pose, poses_) << "a pose that was not sent";
+      EXPECT_LE(lastPose, frame->pose) << "poses of frames go on";
+      lastPose = frame->pose;
+      resets += frame->atlasReset ? 1 : 0;
+      EXPECT_TRUE(!frame->atlasReset || frame->iFrame) << frame->frame;
+      lights = frame->lights;
     } else if (const auto* geometry = std::get_if<wire::Geometry>(&message)) {
       ASSERT_TRUE(mirror_);
       const auto applied = mirror_->apply(geometry->changes);
@@ -126,8 +140,10 @@ bool stepUntil(std::initializer_list<Watcher*> watchers, const Done& done) {
 }
 
 std::vector<std::string> arguments(const std::string& listen, std::vector<std::string> more = {}) {
-  std::vector<std::string> all = {"serve", kScene, "--listen",     listen, "--context", "osmesa",
-                                  "--fps", "10",   "--atlas-mpix", "0.5",  "--bitrate", "4M"};
+  std::vector<std::string> all = {"serve",  kScene,  "--listen", listen,      "--context",
+                                  "osmesa", "--fps", "10",       "--bitrate", "4M"};
+  if (std::find(more.begin(), more.end(), "--atlas-mpix") == more.end())
+    more.insert(more.end(), {"--atlas-mpix", "0.5"});
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -152,6 +168,18 @@ void expectStream(const std::vector<std::string>& more, wire::Method method) {
   EXPECT_EQ(watcher.setup->method, method);
   EXPECT_TRUE(watcher.sawIFrame);
   EXPECT_GT(watcher.elements(), 100u);
+  EXPECT_GT(watcher.lastPose, 0u);
+  // The atrium has a sun and lamps.
+  const auto is = [&](wire::FrameLight type) {
+    return std::any_of(watcher.lights.begin(), watcher.lights.end(),
+                       [&](const wire::SentLight& light) { return light.type == type; });
+  };
+  EXPECT_TRUE(is(wire::FrameLight::Directional));
+  EXPECT_TRUE(is(wire::FrameLight::Spot) || is(wire::FrameLight::Point));
+  ASSERT_EQ(watcher.setup->paths, 1);
+  ASSERT_EQ(watcher.paths.size(), 1u);
+  EXPECT_EQ(watcher.paths.front().name, "tour");
+  EXPECT_EQ(watcher.paths.front().keys.front().eye, glm::dvec3(10.2, 1.75, 4.1));
   // The atrium's leaves: with holes.
   ASSERT_FALSE(watcher.masks.empty());
   const std::vector<std::uint8_t>& alpha = watcher.masks.front().alpha;
@@ -205,6 +233,17 @@ TEST(Serve, GarbageEndsOneViewerAlone) {
   })) << server.program.said();
   EXPECT_EQ(server.program.end(SIGTERM), 0);
 }
+
+// The atlas is too small for the view: it is reset under pressure. Without regular I-frames nobody but the
+// reset asks for one.
+void expectResets(const std::string& method, const std::string& megapixels) {
+  Served server("127.0.0.1:0", {"--i-frames", "0", "--method", method, "--atlas-mpix", megapixels});
+  Watcher watcher(server.address);
+  watcher.stride = 0.1;
+  EXPECT_TRUE(stepUntil({&watcher}, [&] { return watcher.resets >= 2; })) << server.program.said();
+}
+TEST(Serve, AResetOfPatchesGetsItsIFrame) { expectResets("rect", "0.0625"); }
+TEST(Serve, AResetOfTrianglesGetsItsIFrame) { expectResets("tess", "0.25"); }
 
 TEST(Serve, AServerThatReturnsIsFoundAgain) {
   auto server = std::make_unique<Served>();

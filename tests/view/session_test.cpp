@@ -50,11 +50,16 @@ struct Greeter {
   std::vector<std::vector<std::uint8_t>> greeting;
   int joined = 0;
   int poses = 0;
+  std::uint32_t lastPose = 0;
   void poll() {
     for (const transport::ServerEvent& event : server->poll()) {
       // The kind follows the length.
-      if (const auto* said = std::get_if<transport::ViewerMessage>(&event))
-        poses += said->bytes.at(4) == static_cast<std::uint8_t>(wire::Kind::Pose) ? 1 : 0;
+      const auto* said = std::get_if<transport::ViewerMessage>(&event);
+      if (said != nullptr && said->bytes.at(4) == static_cast<std::uint8_t>(wire::Kind::Pose)) {
+        ++poses;
+        const auto body = std::span(said->bytes).subspan(wire::kHeaderBytes);
+        lastPose = std::get<wire::Pose>(*wire::decode(wire::Kind::Pose, body)).number;
+      }
       const auto* one = std::get_if<transport::ViewerJoined>(&event);
       if (one == nullptr) continue;
       ++joined;
@@ -108,6 +113,72 @@ TEST(ViewSession, GeometryThatIsNoneEndsTheStream) {
   }));
   EXPECT_NE(why.find("geometry of frame 1"), std::string::npos) << why;
   EXPECT_FALSE(session->take());
+}
+
+TEST(ViewSession, CamerasOfTheStageAreOfferedWhole) {
+  Greeter greeter;
+  greeter.server = serverAt(0);
+  wire::StreamSetup setup = test::OnePatch::setup();
+  setup.paths = 2;
+  setup.start.eye = {1, 2, 3};
+  const auto path = [](const std::string& name) {
+    return bytesOf(wire::Path{name, {{0.0, {0, 0, 5}, {}, 50.0}}});
+  };
+  greeter.greeting = {bytesOf(wire::Hello{wire::kSpoken, wire::Role::Server, ""}), bytesOf(setup),
+                      path("tour")};
+  auto session = sessionAt(greeter.server->address());
+  EXPECT_TRUE(waitFor([&] {
+    greeter.poll();
+    return session->figures().metaBytes > 200;
+  }));
+  EXPECT_FALSE(session->offer()) << "a path is still to come";
+  greeter.greeting.push_back(path("walk"));
+  // Cut off, it comes back and is told all.
+  const transport::Address address = greeter.server->address();
+  greeter.server.reset();
+  greeter.server = serverAt(address.port);
+  ASSERT_TRUE(waitFor([&] {
+    greeter.poll();
+    return session->offer().has_value();
+  }));
+  const auto offer = *session->offer();
+  EXPECT_EQ(offer.start.eye, glm::dvec3(1, 2, 3));
+  ASSERT_EQ(offer.paths.size(), 2u);
+  EXPECT_EQ(offer.paths[1].name, "walk");
+  EXPECT_EQ(offer.paths[1].keys.front().fovY, 50.0);
+}
+
+// Two viewers share a frame, whose camera is one's: each knows by the number which of its poses it answers.
+TEST(ViewSession, LatencyIsMeasuredByThePosesNumber) {
+  Greeter greeter;
+  greeter.server = serverAt(0);
+  greeter.greeting = {bytesOf(wire::Hello{wire::kSpoken, wire::Role::Server, ""}),
+                      bytesOf(test::OnePatch::setup())};
+  auto session = sessionAt(greeter.server->address());
+  const auto stands = [&] {
+    greeter.poll();
+    session->pose(wire::Camera());
+    return greeter.lastPose;
+  };
+  ASSERT_TRUE(waitFor([&] { return stands() >= 3; }));
+  const auto answer = [&](std::uint32_t frame, std::uint32_t pose) {
+    wire::FrameHeader header = test::OnePatch::header(frame);
+    header.camera.eye = {9, 9, 9};  // another viewer's
+    header.pose = pose;
+    (void)greeter.server->send(1, bytesOf(header));
+    (void)greeter.server->send(1, bytesOf(wire::Geometry{frame, {}}));
+    return waitFor([&] {
+      greeter.poll();
+      return session->figures().frames == frame;
+    });
+  };
+  // Numbers that no pose had say nothing.
+  ASSERT_TRUE(answer(1, 0));
+  ASSERT_TRUE(answer(2, 1'000'000));
+  EXPECT_LT(session->latency().median(view::Stage::Server), 0.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_TRUE(answer(3, 2));
+  EXPECT_GE(session->latency().median(view::Stage::Server), 50.0);
 }
 
 TEST(ViewSession, ARefusalIsFinalAndQuoted) {

@@ -30,7 +30,7 @@ std::vector<std::uint8_t> inputOf(std::uint8_t choice, const std::vector<Message
 std::vector<std::uint8_t> serverInput(Method method, std::uint8_t choice) {
   StreamSetup setup = someSetup();
   setup.method = method;
-  std::vector<Message> messages = {Hello{{1, 1}, Role::Server, ""}, setup, someMask()};
+  std::vector<Message> messages = {Hello{{1, 1}, Role::Server, ""}, setup, somePath(), someMask()};
   RandomWorld world(method, 21, 50);
   VisibleDelta delta(world.source);
   for (std::uint32_t frame = 1; frame <= 4; ++frame) {

@@ -98,6 +98,7 @@ TEST(Messages, KeepTheirValues) {
   EXPECT_EQ(back.frame, 77u);
   EXPECT_TRUE(back.iFrame);
   EXPECT_FALSE(back.atlasReset);
+  EXPECT_EQ(back.pose, 8u);
   EXPECT_EQ(back.camera.eye, frame.camera.eye);
   EXPECT_EQ(back.camera.orientation, frame.camera.orientation);
   EXPECT_EQ(back.camera.slopes, frame.camera.slopes);
@@ -110,6 +111,49 @@ TEST(Messages, KeepTheirValues) {
   EXPECT_EQ(setup.chroma, Chroma::C444);
   EXPECT_EQ(setup.video, test::someSetup().video);
   EXPECT_EQ(setup.fpsDenominator, 1001u);
+  EXPECT_EQ(setup.paths, 1);
+  EXPECT_EQ(setup.start.zNear, test::someCamera().zNear);
+  const auto path = std::get<Path>(through(test::somePath()));
+  EXPECT_EQ(path.name, "tour");
+  ASSERT_EQ(path.keys.size(), 2u);
+  EXPECT_EQ(path.keys[0].time, -1.0);
+  EXPECT_EQ(path.keys[1].eye, glm::dvec3(7, 8, 9));
+  EXPECT_EQ(path.keys[1].target, glm::dvec3(7, 8, -9));
+  EXPECT_EQ(path.keys[1].fovY, 45.0);
+}
+
+// Where the numbers lie that a viewer times itself by.
+TEST(Messages, FramesNameTheirPose) {
+  const auto bytes = *encode(test::someFrame(0x04030201));
+  const std::vector<std::uint8_t> start(bytes.begin() + kHeaderBytes, bytes.begin() + kHeaderBytes + 12);
+  EXPECT_EQ(start, (std::vector<std::uint8_t>{1, 2, 3, 4, 1, 0, 0, 0, 8, 0, 0, 0}));
+}
+
+TEST(Messages, PathsThatAreNoneAreRefused) {
+  const auto errorOf = [](const auto& change) {
+    Path path = test::somePath();
+    change(path);
+    const auto bytes = *encode(path);
+    const auto back = decode(Kind::Path, std::span(bytes).subspan(kHeaderBytes));
+    return back ? std::string() : back.error().message;
+  };
+  EXPECT_EQ(errorOf([](Path&) {}), "");
+  EXPECT_EQ(errorOf([](Path& p) { p.keys.clear(); }), "path: 0 as number of keys");
+  EXPECT_EQ(errorOf([](Path& p) { p.keys[1].time = -1.0; }), "path: -1 as time of a key after another");
+  EXPECT_EQ(errorOf([](Path& p) { p.keys[1].fovY = 180.0; }), "path: 180 as angle of view");
+  EXPECT_EQ(errorOf([](Path& p) { p.keys[0].eye.x = INFINITY; }), "path: inf as eye");
+  EXPECT_EQ(errorOf([](Path& p) { p.keys[0].eye = p.keys[0].target; }),
+            "path: 4 as target and eye on axis x alike");
+  // A number of keys far beyond the bytes that came is an error before it is memory.
+  std::vector<std::uint8_t> few = {0xa0, 0x86, 1, 0, 1, 2, 3};
+  EXPECT_EQ(decode(Kind::Path, few).error().message, "path: it ends early");
+  few[0] = 0xa1;
+  EXPECT_EQ(decode(Kind::Path, few).error().message.find("path: "), 0u);
+  StreamSetup setup = test::someSetup();
+  setup.paths = kMostPaths + 1;
+  const auto many = *encode(setup);
+  EXPECT_EQ(decode(Kind::Setup, std::span(many).subspan(kHeaderBytes)).error().message,
+            "setup: 257 as number of paths");
 }
 
 // Every length but the right one, of every message.
@@ -283,10 +327,12 @@ TEST(MessageOrder, TakesAStreamAndNothingElse) {
   const Hello server{{1, 1}, Role::Server, ""};
   const Hello viewer{{1, 1}, Role::Viewer, ""};
   const StreamSetup setup = test::someSetup();
+  StreamSetup alone = setup;
+  alone.paths = 0;
   const auto frame = [](std::uint32_t number) { return test::someFrame(number); };
   const auto geometry = [](std::uint32_t number) { return Geometry{number, {}}; };
-  EXPECT_EQ(orderError(Role::Server,
-                       {server, setup, test::someMask(), frame(3), geometry(3), frame(9), geometry(9)}),
+  EXPECT_EQ(orderError(Role::Server, {server, setup, test::somePath(), test::someMask(), frame(3),
+                                      geometry(3), frame(9), geometry(9)}),
             "");
   EXPECT_EQ(
       orderError(Role::Viewer, {viewer, test::somePose(1), AskIFrame{0}, Acknowledge{}, test::somePose(2)}),
@@ -296,14 +342,18 @@ TEST(MessageOrder, TakesAStreamAndNothingElse) {
   EXPECT_EQ(orderError(Role::Server, {viewer}), "hello: from a viewer at 0");
   EXPECT_EQ(orderError(Role::Server, {server, frame(1)}), "frame: before the setup at 1");
   EXPECT_EQ(orderError(Role::Server, {server, setup, setup}), "setup: a second one at 2");
-  EXPECT_EQ(orderError(Role::Server, {server, setup, geometry(1)}),
+  EXPECT_EQ(orderError(Role::Server, {server, alone, geometry(1)}),
             "geometry: of frame 1, after frame 0, which has its own at 2");
-  EXPECT_EQ(orderError(Role::Server, {server, setup, frame(2), geometry(1)}),
+  EXPECT_EQ(orderError(Role::Server, {server, alone, frame(2), geometry(1)}),
             "geometry: of frame 1, after frame 2 at 3");
-  EXPECT_EQ(orderError(Role::Server, {server, setup, frame(2), frame(3)}),
+  EXPECT_EQ(orderError(Role::Server, {server, alone, frame(2), frame(3)}),
             "frame 3: frame 2 had no geometry at 3");
-  EXPECT_EQ(orderError(Role::Server, {server, setup, frame(2), geometry(2), frame(2)}),
+  EXPECT_EQ(orderError(Role::Server, {server, alone, frame(2), geometry(2), frame(2)}),
             "frame 2: after frame 2 at 4");
+  EXPECT_EQ(orderError(Role::Server, {server, setup, frame(1)}), "frame 1: 1 paths are still to come at 2");
+  EXPECT_EQ(orderError(Role::Server, {server, setup, test::somePath(), test::somePath()}),
+            "path: more of them than the setup said at 3");
+  EXPECT_EQ(orderError(Role::Viewer, {viewer, test::somePath()}), "path: from a viewer at 1");
   EXPECT_EQ(orderError(Role::Server, {server, test::somePose(1)}), "pose: from a server at 1");
   EXPECT_EQ(orderError(Role::Viewer, {viewer, setup}), "setup: from a viewer at 1");
   EXPECT_EQ(orderError(Role::Viewer, {viewer, test::somePose(2), test::somePose(2)}),

@@ -21,6 +21,7 @@ inline wire::FrameHeader someFrame(std::uint32_t number) {
   wire::FrameHeader frame;
   frame.frame = number;
   frame.iFrame = true;
+  frame.pose = 8;
   frame.time = 12.5;
   frame.camera = someCamera();
   wire::SentLight light;
@@ -45,6 +46,8 @@ inline wire::StreamSetup someSetup() {
   setup.height = 2100;
   setup.fpsNumerator = 30000;
   setup.fpsDenominator = 1001;
+  setup.paths = 1;
+  setup.start = someCamera();
   setup.video = "v=0\r\nm=video 5004 RTP/AVP 96\r\n";
   return setup;
 }
@@ -52,11 +55,15 @@ inline wire::Pose somePose(std::uint32_t number) { return {number, 3.25, someCam
 inline wire::MaskImage someMask() {
   return {3, 3, 2, wire::Wrap::Clamp, wire::Wrap::Mirror, 0.25f, {0, 9, 255, 3, 4, 5}};
 }
+inline wire::Path somePath() {
+  return {"tour", {{-1.0, {1, 2, 3}, {4, 5, 6}, 60.0}, {2.5, {7, 8, 9}, {7, 8, -9}, 45.0}}};
+}
 
 inline std::vector<wire::Message> someMessages() {
   return {wire::Hello{{1, 4}, wire::Role::Server, "token"},
           wire::Refusal{wire::RefusalReason::Busy, {1, 2}, "two viewers are here already"},
           someSetup(),
+          somePath(),
           someFrame(5),
           wire::Geometry{5, {1, 2, 3, 4, 5, 6, 7}},
           someMask(),

@@ -41,7 +41,53 @@ struct ServeOptions {
 
 std::atomic<bool> stopAsked = false;
 
+transport::ServerOptions listeningOf(const ServeOptions& options, const transport::Address& address) {
+  transport::ServerOptions listening;
+  listening.listen = address;
+  listening.token = options.token;
+  listening.folder = options.keys;
+  listening.frameInterval = std::chrono::duration_cast<transport::Clock::duration>(
+      std::chrono::duration<double>(1.0 / options.fps));
+  listening.log = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  return listening;
+}
+
+EncoderOptions codingOf(const ServeOptions& options, int width, int height) {
+  EncoderOptions coding;
+  coding.width = width;
+  coding.height = height;
+  coding.chroma = options.chroma == "444" ? Chroma::Yuv444 : Chroma::Yuv420;
+  coding.framesPerSecond = options.fps;
+  coding.bitrate = static_cast<std::int64_t>(options.bitrate);
+  coding.iFrameInterval = 0;  // each is asked for, since messages name them
+  if (!options.encoder.empty()) coding.encoders = {options.encoder};
+  return coding;
+}
+
+/// Where `tessera render` would look from.
+Result<wire::Camera> startOf(const Scene& scene, const Stage* stage) {
+  const auto views = viewsOf(CameraChoice(), scene, stage, {1280, 720});
+  if (!views) return tl::unexpected(views.error());
+  return cameraOf(views->front().view);
+}
+
+/// What a new viewer is told: of a scene whose images are still there.
+Result<std::vector<wire::Message>> greetingOf(const Scene& scene, const Stage* stage) {
+  wire::StreamSetup setup;
+  const auto start = startOf(scene, stage);
+  if (!start) return tl::unexpected(start.error());
+  setup.start = *start;
+  std::vector<wire::Path> paths;
+  if (stage != nullptr) paths = pathsOf(*stage);
+  setup.paths = static_cast<std::uint16_t>(paths.size());
+  std::vector<wire::Message> greeting = {std::move(setup)};
+  for (wire::Path& path : paths) greeting.emplace_back(std::move(path));
+  for (wire::MaskImage& mask : masksOf(scene)) greeting.emplace_back(std::move(mask));
+  return greeting;
+}
+
 Result<void> serve(const ServeOptions& options) {
+  // What needs no scene comes before it: scenes take long to load.
   const auto address = transport::parseAddress(options.listen);
   if (!address) return fail("--listen {}", address.error().message);
   if (!options.token.empty() && options.keys.empty())
@@ -54,6 +100,13 @@ Result<void> serve(const ServeOptions& options) {
   atlasChoice.sampling = options.method == "tess" ? Sampling::Tess : Sampling::Rect;
   auto setup = engineOptions(atlasChoice);
   if (!setup) return tl::unexpected(setup.error());
+  if (setup->atlas.format != AtlasFormat::Srgb8)
+    return fail("--format {}: video takes display-encoded values", options.atlas.format);
+  const transport::ServerOptions listening = listeningOf(options, *address);
+  if (auto checked = transport::Server::check(listening); !checked)
+    return fail("--listen {}", checked.error().message);
+  if (auto encoder = VideoEncoder::create(codingOf(options, 256, 256)); !encoder)
+    return tl::unexpected(encoder.error());
   auto stage = loadStageFor(options.stage, options.scene);
   if (!stage) return tl::unexpected(stage.error());
   auto loading = std::make_unique<Progress>("serve");
@@ -61,7 +114,8 @@ Result<void> serve(const ServeOptions& options) {
   auto scene = loadGltf(options.scene, {.loadImages = true, .progress = step});
   if (!scene) return tl::unexpected(scene.error());
   // Before the engine takes the scene: it keeps no pixels of it.
-  std::vector<wire::MaskImage> masks = masksOf(*scene);
+  auto greeting = greetingOf(*scene, *stage ? &**stage : nullptr);
+  if (!greeting) return tl::unexpected(greeting.error());
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   setup->request = {
@@ -74,42 +128,24 @@ Result<void> serve(const ServeOptions& options) {
   loading.reset();
 
   const gl::Texture& atlas = (*engine)->gatherer()->atlas().encoded;
-  if (!atlas) return fail("--format {}: video takes display-encoded values", options.atlas.format);
-  const Chroma chroma = options.chroma == "444" ? Chroma::Yuv444 : Chroma::Yuv420;
-  auto packer = YuvPacker::create(**context, atlas.width(), atlas.height(), chroma);
+  const EncoderOptions coding = codingOf(options, atlas.width(), atlas.height());
+  auto packer = YuvPacker::create(**context, atlas.width(), atlas.height(), coding.chroma);
   if (!packer) return tl::unexpected(packer.error());
-  EncoderOptions coding;
-  coding.width = atlas.width();
-  coding.height = atlas.height();
-  coding.chroma = chroma;
-  coding.framesPerSecond = options.fps;
-  coding.bitrate = static_cast<std::int64_t>(options.bitrate);
-  coding.iFrameInterval = 0;  // each is asked for, since messages name them
-  if (!options.encoder.empty()) coding.encoders = {options.encoder};
   auto encoder = VideoEncoder::create(coding);
   if (!encoder) return tl::unexpected(encoder.error());
 
-  wire::StreamSetup stream;
+  auto& stream = std::get<wire::StreamSetup>(greeting->front());
   stream.method = options.method == "tess" ? wire::Method::Tess : wire::Method::Rect;
-  stream.chroma = chroma == Chroma::Yuv444 ? wire::Chroma::C444 : wire::Chroma::C420;
+  stream.chroma = coding.chroma == Chroma::Yuv444 ? wire::Chroma::C444 : wire::Chroma::C420;
   stream.fullRange = true;
   stream.width = static_cast<std::uint32_t>(atlas.width());
   stream.height = static_cast<std::uint32_t>(atlas.height());
   stream.fpsNumerator = static_cast<std::uint32_t>(std::lround(options.fps * 1000.0));
   stream.fpsDenominator = 1000;
-  std::vector<wire::Message> greeting = {std::move(stream)};
-  for (wire::MaskImage& mask : masks) greeting.emplace_back(std::move(mask));
-  transport::ServerOptions listening;
-  listening.listen = *address;
-  listening.token = options.token;
-  listening.folder = options.keys;
-  listening.frameInterval = std::chrono::duration_cast<transport::Clock::duration>(
-      std::chrono::duration<double>(1.0 / options.fps));
-  listening.log = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
   auto server = transport::Server::start(listening);
-  if (!server) return tl::unexpected(server.error());
+  if (!server) return fail("--listen {}", server.error().message);
   fmt::print("listening on {}, atlas {} x {}, {} by {}\n", transport::describe((*server)->address()),
-             atlas.width(), atlas.height(), nameOf(chroma), encoder->name());
+             atlas.width(), atlas.height(), nameOf(coding.chroma), encoder->name());
   if (!(*server)->fingerprint().empty()) fmt::print("certificate {}\n", (*server)->fingerprint());
   std::fflush(stdout);
   std::signal(SIGINT, [](int) { stopAsked = true; });
@@ -124,7 +160,7 @@ Result<void> serve(const ServeOptions& options) {
   streamed.shade = shadeOptions(options.atlas);
   streamed.timeStages = !options.stats.empty();
   Streaming streaming(streamed, **engine, **server, std::move(*packer), std::move(*encoder),
-                      std::move(greeting));
+                      std::move(*greeting));
   if (auto ran = streaming.run(stopAsked); !ran) return ran;
   if (options.stats.empty()) return {};
   return writeFile(options.stats, streaming.statistics().dump(2) + "\n");

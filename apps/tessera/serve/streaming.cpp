@@ -96,6 +96,7 @@ nlohmann::json Streaming::statistics() const {
           {"meta_mbit_s", megabits(metaBytes_, watched_)},
           {"sent_video_bytes", sentBytes_},
           {"i_frames", iFrames_},
+          {"atlas_resets", resetFrames_},
           {"frames_not_coded", uncoded_}};
 }
 
@@ -149,6 +150,19 @@ void Streaming::holdReset(bool held) {
   if (TessAtlas* tess = engine_.tess(); tess != nullptr) tess->memory().holdReset(held);
 }
 
+/// Whether the atlas was reset in this frame, and whether it waits for an I-frame to be: then one is wished
+/// for.
+void Streaming::noteReset() {
+  const auto of = [](const auto& state) { return Resets{state.resets, state.pressure.pending != 0}; };
+  Resets now;
+  if (const RectAtlas* atlas = engine_.atlas(); atlas != nullptr) now = of(atlas->memory().readState());
+  if (const TessAtlas* tess = engine_.tess(); tess != nullptr) now = of(tess->memory().readState());
+  reset_ = now.count != resets_.count;
+  resetFrames_ += reset_ ? 1 : 0;
+  wish_ = wish_ || now.pending;
+  resets_ = now;
+}
+
 /// Numbers a frame; whether it is an I-frame.
 bool Streaming::beginFrame() {
   ++frame_;
@@ -168,16 +182,20 @@ Result<void> Streaming::frame(double time) {
   const bool iFrame = beginFrame();
   // All blocks move in a reset: only a frame that builds on none shows that at no cost.
   holdReset(!iFrame);
+  // Between its parts the frame before is sent as soon as it is coded, not a frame later.
   timed(times_.visible, [&] { engine_.findVisible(views); });
+  sendCoded();
   Result<void> placed;
   timed(times_.place, [&] { placed = engine_.place(ends_); });
   if (!placed) return placed;
+  sendCoded();
   const gl::Texture& atlas = engine_.gatherer()->atlas().encoded;
   timed(times_.shade, [&] {
     // What is free is black where it costs bits: in frames that build on none.
     if (iFrame) gl::api().ClearTexImage(atlas.get(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
     engine_.shade(shadedFrom_, options_.shade);
   });
+  sendCoded();
   std::optional<YuvPacker::Read> planes;
   Result<void> packed;
   timed(times_.convert, [&] {
@@ -193,26 +211,35 @@ Result<void> Streaming::frame(double time) {
     objects = feed_.objects(engine_);
     // None where the engine does not count pixels.
     regions = regionsOf(shownBlocks(engine_, elements), atlas.width(), atlas.height());
+    noteReset();
   });
   // Before the messages, so that both are made at once.
   coding_.push(std::move(planes->planes), frame_, iFrame, std::move(regions));
-  timed(times_.meta, [&] { tellFrame(time, iFrame, elements, objects); });
+  timed(times_.meta, [&] {
+    wire::FrameHeader header;
+    header.frame = frame_;
+    header.iFrame = iFrame;
+    header.atlasReset = reset_;
+    header.time = time;
+    // Tessellated samples are even in the picture of the first view that was placed.
+    header.camera = cameraOf(ends_.front());
+    header.lights =
+        lightsOf(evaluateLights(engine_.scene(), engine_.state(), engine_.stage(), time), header.camera.eye);
+    tellFrame(header, elements, objects);
+  });
   return {};
 }
 
-void Streaming::tellFrame(double time, bool iFrame, const std::vector<wire::VisibleElement>& elements,
+/// To each viewer by its own pose.
+void Streaming::tellFrame(const wire::FrameHeader& told, const std::vector<wire::VisibleElement>& elements,
                           const std::vector<wire::ObjectTransform>& objects) {
   std::vector<transport::ViewerId> ids;
   for (const auto& [id, viewer] : viewers_.all())
     if (viewer.watches()) ids.push_back(id);
   for (const transport::ViewerId id : ids) {
     Viewer& viewer = viewers_.all().at(id);
-    wire::FrameHeader header;
-    header.frame = frame_;
-    header.iFrame = iFrame;
-    header.time = time;
-    // Tessellated samples are even in the picture of the first view that was placed.
-    header.camera = cameraOf(ends_.front());
+    wire::FrameHeader header = told;
+    header.pose = viewer.pose;
     const View own = viewer.track.last()->view;
     const std::optional<View> later = viewer.track.at(viewer.track.last()->time + viewer.latency);
     const double reach = (later ? glm::length(later->eye - own.eye) : 0.0) + 4.0 * own.zNear;

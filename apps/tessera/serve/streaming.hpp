@@ -48,6 +48,12 @@ class Streaming {
     std::vector<double> visible, place, shade, convert, read, meta, encode, send;
   };
 
+  /// Of the atlas's memory.
+  struct Resets {
+    std::uint32_t count = 0;  // since it was made
+    bool pending = false;     // held back until an I-frame
+  };
+
   template <class Part>
   void timed(std::vector<double>& times, const Part& part);
   std::vector<TimedView> predict(double time);
@@ -55,7 +61,8 @@ class Streaming {
   void holdReset(bool held);
   bool beginFrame();
   Result<void> frame(double time);
-  void tellFrame(double time, bool iFrame, const std::vector<wire::VisibleElement>& elements,
+  void noteReset();
+  void tellFrame(const wire::FrameHeader& told, const std::vector<wire::VisibleElement>& elements,
                  const std::vector<wire::ObjectTransform>& objects);
   void sendCoded();
   void report();
@@ -71,7 +78,10 @@ class Streaming {
   View shadedFrom_;         // the first viewer's last: the picture is shown then
   std::uint32_t frame_ = 0;
   int sinceIFrame_ = 0;
-  bool wish_ = false;     // for an I-frame, not granted yet
+  bool wish_ = false;   // for an I-frame, not granted yet
+  Resets resets_;       // of the atlas, after the last frame
+  bool reset_ = false;  // in the last frame
+  std::uint64_t resetFrames_ = 0;
   double watched_ = 0.0;  // seconds with somebody there
   std::size_t mostWatching_ = 0;
   std::uint64_t videoBytes_ = 0, metaBytes_ = 0, sentBytes_ = 0, iFrames_ = 0, uncoded_ = 0;

@@ -53,7 +53,9 @@ Result<void> Viewers::take(transport::ViewerId id, Viewer& viewer, const wire::M
   } else if (const auto* pose = std::get_if<wire::Pose>(&message)) {
     auto view = viewOf(pose->camera);
     if (!view) return fail("pose {}: {}", pose->number, view.error().message);
-    if (viewer.track.add({pose->time, *view})) viewer.camera = pose->camera;
+    if (!viewer.track.add({pose->time, *view})) return {};
+    viewer.camera = pose->camera;
+    viewer.pose = pose->number;
   } else if (const auto* seen = std::get_if<wire::Acknowledge>(&message)) {
     viewer.acknowledged = seen->atlasFrame;
   } else if (std::get_if<wire::AskIFrame>(&message) != nullptr) {

@@ -23,6 +23,7 @@ struct Viewer {
   std::unique_ptr<wire::VisibleDelta> delta;  // from its hello on
   PoseTrack track;                            // in seconds of the viewer's own clock
   wire::Camera camera;                        // of the last pose
+  std::uint32_t pose = 0;                     // number of the last pose
   double latency = 0.0;                       // seconds, that its views were predicted for
   bool videoOpen = false;
   std::chrono::steady_clock::time_point joined = std::chrono::steady_clock::now();

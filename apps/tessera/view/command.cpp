@@ -34,12 +34,13 @@ Run addView(CLI::App& app) {
   addSize(command, options->size);
   addContext(command, options->context);
   command.add_flag("--headless", options->headless, "without a window");
-  command.add_option("--path", options->path, "camera path: a JSON file");
-  command.add_option("--eye", options->eye, "x,y,z of the first eye in metres")->delimiter(',')->expected(3);
+  command.add_option("--path", options->path, "camera path: a JSON file, or the name of one of the server's");
+  command.add_option("--eye", options->eye, "x,y,z of the first eye in metres; else where the server says")
+      ->delimiter(',')
+      ->expected(3);
   command.add_option("--target", options->target, "x,y,z looked at first")->delimiter(',')->expected(3);
   command.add_option("--fov-y", options->fovY, "vertical field of view in degrees")
-      ->check(CLI::Range(1.0, 150.0))
-      ->capture_default_str();
+      ->check(CLI::Range(1.0, 150.0));
   command.add_option("--frames", options->frames, "ends after so many with a picture")
       ->check(CLI::Range(1, 1000000000));
   command.add_option("--fps", options->fps, "frames a second without a window")

@@ -11,17 +11,20 @@ Result<void> viewHeadless(const ViewOptions& options) {
   if (!flight) return tl::unexpected(flight.error());
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
-  auto viewing = Viewing::start(options, **context);
+  auto viewing = Viewing::start(options, **context, std::move(*flight));
   if (!viewing) return tl::unexpected(viewing.error());
-  const int frames = options.frames > 0 ? options.frames : flight->frames(options.fps);
   const auto interval =
       std::chrono::duration_cast<view::Clock::duration>(std::chrono::duration<double>(1.0 / options.fps));
   auto due = view::Clock::now();
   std::string said;
-  while (viewing->framesShown() < frames) {
+  const auto frames = [&] {
+    return options.frames > 0 ? options.frames : viewing->flight().frames(options.fps);
+  };
+  stopOnSignals();
+  while (viewing->framesShown() < frames() && !stopAsked()) {
     // The path begins with the first picture.
     const double time = viewing->framesShown() / options.fps;
-    if (auto done = viewing->step(flight->at(time)); !done) return done;
+    if (auto done = viewing->step(viewing->flight().at(time)); !done) return done;
     const view::Figures& figures = viewing->figures();
     if (figures.why != said) {
       said = figures.why;

@@ -18,8 +18,8 @@ struct ViewOptions {
   SizeChoice size;
   ContextChoice context;  // without a window
   bool headless = false;
-  std::string path;
-  int frames = 0;  // with a picture; 0: with a path its length, else until the window closes
+  std::string path;  // a file, or the name of a path of the server's stage
+  int frames = 0;    // with a picture; 0: with a path its length, else until the window closes
   double fps = 30.0;
   double patience = 20.0;  // seconds without a first picture, headless
   std::string record;
@@ -28,9 +28,8 @@ struct ViewOptions {
   bool stereo = false;
   std::optional<std::string> lensText;  // as addLens takes it
   std::optional<Lens> lens;             // `lensText`, parsed
-  std::vector<double> eye{0.0, 1.6, 0.0};
-  std::vector<double> target{0.0, 1.6, -1.0};
-  double fovY = 60.0;
+  std::vector<double> eye, target;  // three numbers each; without them the server's start camera
+  std::optional<double> fovY;       // degrees
 };
 
 inline constexpr double kEyeDistance = 0.064;  // metres

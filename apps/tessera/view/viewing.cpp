@@ -1,6 +1,7 @@
 #include "apps/tessera/view/viewing.hpp"
 
 #include <cmath>
+#include <csignal>
 
 #include <nlohmann/json.hpp>
 
@@ -12,23 +13,61 @@ namespace tessera::app {
 Result<Flight> Flight::of(const ViewOptions& options, glm::ivec2 size) {
   Flight flight;
   flight.size_ = size;
+  flight.fovY_ = options.fovY;
+  if (options.eye.empty() != options.target.empty()) return fail("--eye and --target go together");
   if (!options.path.empty()) {
+    if (!options.eye.empty()) return fail("--eye with --target, and --path exclude each other");
+    if (!std::filesystem::exists(options.path)) {
+      flight.wanted_ = options.path;
+      return flight;
+    }
     auto path = loadCameraPath(options.path);
     if (!path) return tl::unexpected(path.error());
     flight.path_ = std::move(*path);
-    return flight;
+  } else if (!options.eye.empty()) {
+    CameraKey key;
+    key.eye = {options.eye[0], options.eye[1], options.eye[2]};
+    key.target = {options.target[0], options.target[1], options.target[2]};
+    if (key.eye == key.target) return fail("--eye and --target are the same point");
+    flight.camera_ = flight.cameraOf(key);
   }
-  flight.key_.eye = {options.eye[0], options.eye[1], options.eye[2]};
-  flight.key_.target = {options.target[0], options.target[1], options.target[2]};
-  flight.key_.fovY = options.fovY;
-  if (flight.key_.eye == flight.key_.target) return fail("--eye and --target are the same point");
   return flight;
 }
 
-wire::Camera Flight::at(double seconds) const {
-  const CameraKey key = path_ ? sampleCamera(*path_, path_->keys.front().time + seconds) : key_;
-  return view::lookAt(key.eye, key.target, key.fovY, static_cast<std::uint32_t>(size_.x),
+wire::Camera Flight::cameraOf(const CameraKey& key) const {
+  return view::lookAt(key.eye, key.target, fovY_.value_or(key.fovY), static_cast<std::uint32_t>(size_.x),
                       static_cast<std::uint32_t>(size_.y), kViewNear);
+}
+
+Result<void> Flight::learn(const view::Offer& offer) {
+  if (known()) return {};
+  if (wanted_.empty()) {
+    camera_ = offer.start;
+    if (fovY_) {
+      const double up = std::tan(0.5 * glm::radians(*fovY_));
+      const double across = up * camera_->width / camera_->height;
+      camera_->slopes = {-across, across, -up, up};
+    }
+    camera_ =
+        view::resized(*camera_, static_cast<std::uint32_t>(size_.x), static_cast<std::uint32_t>(size_.y));
+    return {};
+  }
+  std::vector<std::string> names;
+  for (const wire::Path& path : offer.paths) {
+    names.push_back(oneLine(path.name));
+    if (path.name != wanted_) continue;
+    path_.emplace().name = path.name;
+    for (const wire::PathKey& key : path.keys)
+      path_->keys.push_back({key.time, key.eye, key.target, key.fovY});
+    return {};
+  }
+  return fail("--path {}: no such file, and the server's stage has {}", wanted_,
+              names.empty() ? std::string("no paths") : fmt::format("only {}", fmt::join(names, ", ")));
+}
+
+wire::Camera Flight::at(double seconds) const {
+  if (path_) return cameraOf(sampleCamera(*path_, path_->keys.front().time + seconds));
+  return camera_ ? *camera_ : cameraOf({});
 }
 
 int Flight::frames(double fps) const {
@@ -36,8 +75,8 @@ int Flight::frames(double fps) const {
   return static_cast<int>(std::floor((path_->keys.back().time - path_->keys.front().time) * fps)) + 1;
 }
 
-Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& context) {
-  Viewing viewing(options);
+Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& context, Flight flight) {
+  Viewing viewing(options, std::move(flight));
   auto display = view::StreamedDisplay::create(context, {.lens = options.lens});
   if (!display) return tl::unexpected(display.error());
   viewing.display_.emplace(std::move(*display));
@@ -67,10 +106,24 @@ Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& co
   return viewing;
 }
 
+std::atomic<bool>& stopAsked() {
+  static std::atomic<bool> asked = false;
+  static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal");
+  return asked;
+}
+
+void stopOnSignals() {
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopAsked() = true; });
+}
+
 double Viewing::seconds() const { return view::millisecondsBetween(started_, view::Clock::now()) * 1e-3; }
 
 Result<void> Viewing::step(const wire::Camera& camera) {
-  session_->pose(camera);
+  // The server shades for nobody before a pose.
+  if (flight_.known())
+    session_->pose(camera);
+  else if (const auto offer = session_->offer())
+    if (auto learned = flight_.learn(*offer); !learned) return learned;
   figures_ = session_->figures();
   if (session_->take()) {
     const auto taken = view::Clock::now();
@@ -114,7 +167,7 @@ Result<void> Viewing::shown() {
     const double median = latency(static_cast<view::Stage>(i));
     csv_ << (median < 0.0 ? std::string(",") : fmt::format(",{:.2f}", median));
   }
-  csv_ << '\n';
+  csv_ << std::endl;  // whoever follows the file sees whole rows
   if (!csv_) return fail("--csv {}: cannot be written", options_->csv);
   return {};
 }
@@ -141,6 +194,8 @@ Result<void> Viewing::writeStats() const {
       {"video_mbit_s", 8e-6 * static_cast<double>(f.videoBytes) / connected},
       {"meta_mbit_s", 8e-6 * static_cast<double>(f.metaBytes) / connected},
       {"loss_percent", f.lossPercent()},
+      {"i_frames_asked", f.askedIFrames},
+      {"reconnects", f.reconnects},
       {"latency_ms", stages},
       {"pvs_miss_pixels",
        framesShown_ == 0 ? 0.0 : static_cast<double>(uncoveredSum_) / static_cast<double>(framesShown_)}};

@@ -1,6 +1,7 @@
 // A viewer's display loop without what it is shown on: poses out, frames in, figures kept.
 #pragma once
 
+#include <atomic>
 #include <fstream>
 #include <optional>
 
@@ -10,28 +11,43 @@
 
 namespace tessera::app {
 
-/// The camera of a path at its own time, or the one that eye and target say.
+/// The camera of a path at its own time, the one that eye and target say, or the one that the server begins
+/// with. What the server has must be learned first.
 class Flight {
  public:
+  /// Fails for eye without target, both at one point, and a file that holds no path.
   static Result<Flight> of(const ViewOptions& options, glm::ivec2 size);
+  [[nodiscard]] bool known() const { return path_ || camera_; }
+  /// Fails, naming those that there are, where the server has no path of the name that was asked for.
+  Result<void> learn(const view::Offer& offer);
   [[nodiscard]] bool moves() const { return path_.has_value(); }
-  /// `seconds` from the path's start.
+  /// `seconds` from the path's start; anywhere before it is known.
   [[nodiscard]] wire::Camera at(double seconds) const;
   /// Frames of the whole path at so many a second; 1 without one.
   [[nodiscard]] int frames(double fps) const;
 
  private:
+  wire::Camera cameraOf(const CameraKey& key) const;
+  std::string wanted_;  // name of a path
+  std::optional<double> fovY_;
   std::optional<CameraPath> path_;
-  CameraKey key_;
+  std::optional<wire::Camera> camera_;
   glm::ivec2 size_{0};
 };
+
+/// From stopOnSignals() on, whether SIGINT or SIGTERM came: what was measured is written then too.
+std::atomic<bool>& stopAsked();
+void stopOnSignals();
 
 class Viewing {
  public:
   /// Connects. Fails for what the session or the display cannot start with, and files that cannot be written.
-  static Result<Viewing> start(const ViewOptions& options, const gl::Context& context);
+  static Result<Viewing> start(const ViewOptions& options, const gl::Context& context, Flight flight);
 
-  /// Sends the pose, takes the newest frame and draws it for the camera into display().color().
+  /// Known from the step after the server has said its cameras, where the flight is one of those.
+  [[nodiscard]] const Flight& flight() const { return flight_; }
+  /// Sends the pose once the flight is known, takes the newest frame and draws it for the camera into
+  /// display().color(). Fails where the display does, and where Flight::learn() does.
   Result<void> step(const wire::Camera& camera);
   /// After the picture is on its way to the screen: the frame's time is over.
   Result<void> shown();
@@ -51,8 +67,9 @@ class Viewing {
   [[nodiscard]] Result<void> writeStats() const;
 
  private:
-  explicit Viewing(const ViewOptions& options) : options_(&options) {}
+  Viewing(const ViewOptions& options, Flight flight) : options_(&options), flight_(std::move(flight)) {}
   const ViewOptions* options_;
+  Flight flight_;
   std::unique_ptr<view::Session> session_;
   std::optional<view::StreamedDisplay> display_;
   view::Figures figures_;

@@ -120,16 +120,17 @@ Result<void> viewWindow(const ViewOptions& options) {
   if (!window) return tl::unexpected(window.error());
   auto context = gl::Context::adoptCurrent(&glfwGetProcAddress);
   if (!context) return tl::unexpected(context.error());
-  auto viewing = Viewing::start(options, **context);
+  auto viewing = Viewing::start(options, **context, std::move(*flight));
   if (!viewing) return tl::unexpected(viewing.error());
   view::FlyCamera fly;
-  fly.set(flight->at(0.0));
+  bool placed = false;
   Controls controls;
   bool figures = true;
   bool held = false;
   double before = glfwGetTime();
   std::optional<double> pathStart;
-  while (glfwWindowShouldClose((*window)->get()) == GLFW_FALSE &&
+  stopOnSignals();
+  while (glfwWindowShouldClose((*window)->get()) == GLFW_FALSE && !stopAsked() &&
          (options.frames == 0 || viewing->framesShown() < options.frames)) {
     glfwPollEvents();
     if ((*window)->pressed(GLFW_KEY_ESCAPE)) break;
@@ -139,9 +140,12 @@ Result<void> viewWindow(const ViewOptions& options) {
     const double now = glfwGetTime();
     controls.apply(**window, now - before, fly);
     before = now;
-    if (flight->moves()) {
+    const Flight& flown = viewing->flight();
+    if (!placed) fly.set(flown.at(0.0));
+    placed = flown.known();
+    if (flown.moves()) {
       if (viewing->hasPicture() && !pathStart) pathStart = now;
-      fly.set(flight->at(pathStart ? now - *pathStart : 0.0));
+      fly.set(flown.at(pathStart ? now - *pathStart : 0.0));
     }
     glm::ivec2 pixels(0);
     glfwGetFramebufferSize((*window)->get(), &pixels.x, &pixels.y);

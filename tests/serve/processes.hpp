@@ -62,15 +62,23 @@ struct Row {
 class Viewer {
  public:
   Viewer(const std::string& name, const std::string& address, const std::vector<std::string>& more = {})
-      : folder_(std::filesystem::path(testing::TempDir()) / ("serve_process_" + name)) {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
+      : Viewer(name) {
     std::vector<std::string> all = {"view", address, "--headless"};
     const auto options =
         withDefaults(more, {"--context", "osmesa", "--size", "160x90", "--fps", "12", "--frames", "1000000",
                             "--csv", file("csv"), "--stats", file("json"), "--record", file("shown")});
     all.insert(all.end(), options.begin(), options.end());
     program_ = std::make_unique<Program>(all);
+  }
+  /// In a window on an X display.
+  static Viewer inWindow(const std::string& name, const std::string& address, const std::string& display,
+                         const std::vector<std::string>& more) {
+    Viewer viewer(name);
+    std::vector<std::string> all = {"view", address};
+    const auto options = withDefaults(more, {"--csv", viewer.file("csv"), "--stats", viewer.file("json")});
+    all.insert(all.end(), options.begin(), options.end());
+    viewer.program_ = std::make_unique<Program>(all, display);
+    return viewer;
   }
   [[nodiscard]] std::string file(const std::string& what) const { return (folder_ / what).string(); }
   Program& program() { return *program_; }
@@ -119,6 +127,11 @@ class Viewer {
   }
 
  private:
+  explicit Viewer(const std::string& name)
+      : folder_(std::filesystem::path(testing::TempDir()) / ("serve_process_" + name)) {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
   std::filesystem::path folder_;
   std::unique_ptr<Program> program_;
 };

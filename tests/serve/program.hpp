@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdlib>
 #include <poll.h>
 #include <string>
 #include <sys/prctl.h>
@@ -15,7 +16,10 @@ namespace tessera::test {
 class Program {
  public:
   /// Starts TESSERA_PROGRAM with these arguments; output and errors come together.
-  explicit Program(std::vector<std::string> arguments) {
+  explicit Program(std::vector<std::string> arguments, const std::string& display = "")
+      : Program(TESSERA_PROGRAM, std::move(arguments), display) {}
+  /// Another program, by its name on the path; `display`: an X display that it may open windows on.
+  Program(std::string program, std::vector<std::string> arguments, const std::string& display) {
     int ends[2] = {-1, -1};
     if (pipe(ends) != 0) return;
     process_ = fork();
@@ -27,11 +31,11 @@ class Program {
       close(ends[0]);
       close(ends[1]);
       std::vector<char*> list;
-      std::string program = TESSERA_PROGRAM;
       list.push_back(program.data());
       for (std::string& argument : arguments) list.push_back(argument.data());
       list.push_back(nullptr);
-      execv(list[0], list.data());
+      if (!display.empty()) setenv("DISPLAY", display.c_str(), 1);
+      execvp(list[0], list.data());
       _exit(127);
     }
     close(ends[1]);

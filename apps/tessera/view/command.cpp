@@ -52,6 +52,7 @@ Run addView(CLI::App& app) {
   command.add_option("--record", options->record, "folder for every picture shown, as PNG");
   command.add_option("--stats", options->stats, "JSON file for what was measured");
   command.add_option("--csv", options->csv, "CSV file for the overlay's figures, a row a frame");
+  command.add_flag("!--no-overlay", options->overlay, "without the figures in the window, which F1 shows");
   command.add_flag("--stereo", options->stereo, "two eyes side by side");
   addLens(command, options->lensText);
   return [=](const std::string&) { return run(*options); };

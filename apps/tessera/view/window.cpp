@@ -125,7 +125,7 @@ Result<void> viewWindow(const ViewOptions& options) {
   view::FlyCamera fly;
   bool placed = false;
   Controls controls;
-  bool figures = true;
+  bool figures = options.overlay;
   bool held = false;
   double before = glfwGetTime();
   std::optional<double> pathStart;

@@ -7,13 +7,13 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/tessera/serve/shading.hpp"
 #include "engine/measure/statistics.hpp"
 
 namespace tessera::app {
 
 namespace {
 
-constexpr double kVertexPixels = 0.1;          // that a vertex may be off
 constexpr int kLeastFramesBetweenIFrames = 3;  // whoever asks for them
 
 void say(const std::string& line) {
@@ -150,11 +150,6 @@ std::vector<TimedView> Streaming::predict(double time) {
   return all;
 }
 
-void Streaming::holdReset(bool held) {
-  if (RectAtlas* atlas = engine_.atlas(); atlas != nullptr) atlas->memory().holdReset(held);
-  if (TessAtlas* tess = engine_.tess(); tess != nullptr) tess->memory().holdReset(held);
-}
-
 /// Numbers a frame; whether it is an I-frame.
 bool Streaming::beginFrame() {
   ++frame_;
@@ -172,18 +167,13 @@ Result<void> Streaming::frame(double time) {
   engine_.update(time);
   const std::vector<TimedView> views = predict(time);
   const bool iFrame = beginFrame();
-  // All blocks move in a reset: only a frame that builds on none shows that at no cost.
-  holdReset(!iFrame);
+  holdReset(engine_, !iFrame);
   timed(times_.visible, [&] { engine_.findVisible(views); });
   Result<void> placed;
   timed(times_.place, [&] { placed = engine_.place(ends_); });
   if (!placed) return placed;
   const gl::Texture& atlas = engine_.gatherer()->atlas().encoded;
-  timed(times_.shade, [&] {
-    // What is free is black where it costs bits: in frames that build on none.
-    if (iFrame) gl::api().ClearTexImage(atlas.get(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    engine_.shade(shadedFrom_, options_.shade);
-  });
+  timed(times_.shade, [&] { shadeForVideo(engine_, shadedFrom_, options_.shade, iFrame); });
   std::optional<YuvPacker::Read> planes;
   Result<void> packed;
   timed(times_.convert, [&] {
@@ -218,11 +208,10 @@ void Streaming::tellFrame(double time, bool iFrame, const std::vector<wire::Visi
     header.camera = cameraOf(ends_.front());
     const View own = viewer.track.last()->view;
     const std::optional<View> later = viewer.track.at(viewer.track.last()->time + viewer.latency);
-    const double reach = (later ? glm::length(later->eye - own.eye) : 0.0) + 4.0 * own.zNear;
     wire::Geometry geometry;
     geometry.frame = frame_;
-    geometry.changes = viewer.delta->next(
-        {elements, objects, {}, wire::boundOf(viewer.camera, kVertexPixels, reach), own.eye});
+    geometry.changes =
+        viewer.delta->next(visibleFrame(elements, objects, viewer.camera, own, later.value_or(own)));
     const std::size_t bytes = viewers_.tell(id, header);
     if (bytes != 0) metaBytes_ += bytes + viewers_.tell(id, geometry);
   }

@@ -223,6 +223,11 @@ Run addStreamStudy(CLI::App& app) {
            ->delimiter(',')
            ->check(CLI::Range(0.0625, 64.0))
            ->capture_default_str());
+  command
+      .add_option("--bias-floor", s.biasFloor,
+                  "lowest level bias that room to spare in an atlas may lead to; -2: up to four texels a pixel")
+      ->check(CLI::Range(-4.0, 0.0))
+      ->capture_default_str();
   std::vector<std::string> names;
   for (const StudyMethodName& name : studyMethods()) names.emplace_back(name.option);
   command

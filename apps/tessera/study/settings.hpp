@@ -28,6 +28,7 @@ struct StudySettings {
   double widening = 0.2;   // share by which the server sees more than a viewer, of the horizontal angle
   int iFrames = 60;        // frames from one I-frame, and reset of the atlas, to the next
   std::vector<double> megapixels{4.0, 8.0};
+  double biasFloor = 0.0;  // lowest bias that room in an atlas may lead to: -2 is up to four texels a pixel
   std::vector<std::string> methods{"rect", "tess", "time-warp", "mesh-warp", "iterative-warp"};
   WarpPose warpPose = WarpPose::Present;
   bool moving = false;  // lights and nodes move; else the scene is as at the path's start

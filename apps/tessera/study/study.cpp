@@ -145,6 +145,7 @@ class Study {
         AtlasChoice atlas;
         atlas.sampling = std::string_view(name.option) == "tess" ? Sampling::Tess : Sampling::Rect;
         atlas.megapixels = megapixels;
+        atlas.biasFloor = settings_.biasFloor;
         StudyMethod method;
         method.name = fmt::format("{}, {:g} Mpix", name.title, megapixels);
         method.atlas = true;

@@ -24,5 +24,6 @@ Run addPvs(CLI::App& app);
 Run addVideoBench(CLI::App& app);
 Run addServe(CLI::App& app);
 Run addView(CLI::App& app);
+Run addStreamStudy(CLI::App& app);
 
 }  // namespace tessera::app

@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
       {"video-bench", tessera::app::addVideoBench(app)},
       {"serve", tessera::app::addServe(app)},
       {"view", tessera::app::addView(app)},
+      {"stream-study", tessera::app::addStreamStudy(app)},
 #endif
   };
   try {

@@ -53,10 +53,11 @@ ReportContext reportContext(const gl::ContextInfo& info, const std::string& comm
       command};
 }
 
-Result<ReportFiles> ReportFiles::create(const std::filesystem::path& folder, const std::string& name) {
+Result<ReportFiles> ReportFiles::create(const std::filesystem::path& folder, const std::string& name,
+                                        const std::string& page) {
   ReportFiles files;
   files.json_ = folder / (name + ".json");
-  files.html_ = folder / (name + ".html");
+  files.html_ = folder / ((page.empty() ? name : page) + ".html");
   for (const auto& file : {files.json_, files.html_})
     if (auto writable = checkWritable(file); !writable) return tl::unexpected(writable.error());
   return files;

@@ -19,11 +19,12 @@ Result<void> checkWritable(const std::filesystem::path& file);
 /// `command`: what made the report.
 ReportContext reportContext(const gl::ContextInfo& info, const std::string& command);
 
-/// Where a report is written: `name`.json and `name`.html in a folder.
+/// Where a report is written: `name`.json and `page`.html, or `name`.html, in a folder.
 class ReportFiles {
  public:
   /// Makes the folder; fails where it or the files cannot be written.
-  static Result<ReportFiles> create(const std::filesystem::path& folder, const std::string& name);
+  static Result<ReportFiles> create(const std::filesystem::path& folder, const std::string& name,
+                                    const std::string& page = {});
   /// Writes both, and prints where the page is.
   [[nodiscard]] Result<void> write(const std::string& json, const std::string& html) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstring>
 
 #include "glsl/shared/yuv.h"
 
@@ -50,6 +51,22 @@ YuvImage::YuvImage(int wide, int high, Chroma sharing)
 }
 
 YuvView YuvImage::view() const { return yuvViewOf(bytes.data(), width, height, chroma); }
+
+YuvImage copyOf(const YuvView& planes) {
+  YuvImage copy(planes.width, planes.height, planes.chroma);
+  const YuvView there = copy.view();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto offset = static_cast<std::size_t>(there.planes[i] - there.planes[0]);
+    const auto plane = static_cast<int>(i);
+    for (int y = 0; y < planes.planeHeight(plane); ++y) {
+      const auto row = static_cast<std::size_t>(y);
+      std::memcpy(copy.bytes.data() + offset + row * there.strides[i],
+                  planes.planes[i] + row * planes.strides[i],
+                  static_cast<std::size_t>(planes.planeWidth(plane)));
+    }
+  }
+  return copy;
+}
 
 Result<YuvImage> toYuv(const Image& image, Chroma chroma) {
   if (image.width < 1 || image.height < 1 || image.width > kMaxImageSide || image.height > kMaxImageSide)

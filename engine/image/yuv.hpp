@@ -63,6 +63,9 @@ struct YuvImage {
 [[nodiscard]] std::size_t yuvBytes(int width, int height, Chroma chroma);
 [[nodiscard]] YuvView yuvViewOf(const std::uint8_t* bytes, int width, int height, Chroma chroma);
 
+/// The planes in one piece of memory. `planes` must be as checkPlanes wants them.
+YuvImage copyOf(const YuvView& planes);
+
 /// Every value correctly rounded; alpha is left out. Fails for an empty image and for one whose pixels are
 /// not width * height * 4 bytes.
 Result<YuvImage> toYuv(const Image& image, Chroma chroma);

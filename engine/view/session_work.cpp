@@ -1,29 +1,7 @@
 // The thread that decodes video, and the one that applies geometry and pairs both.
-#include <cstring>
-
 #include "engine/view/session_state.hpp"
 
 namespace tessera::view {
-
-namespace {
-
-YuvImage copyOf(const YuvView& planes) {
-  YuvImage copy(planes.width, planes.height, planes.chroma);
-  const YuvView there = copy.view();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto offset = static_cast<std::size_t>(there.planes[i] - there.planes[0]);
-    const auto plane = static_cast<int>(i);
-    for (int y = 0; y < planes.planeHeight(plane); ++y) {
-      const auto row = static_cast<std::size_t>(y);
-      std::memcpy(copy.bytes.data() + offset + row * there.strides[i],
-                  planes.planes[i] + row * planes.strides[i],
-                  static_cast<std::size_t>(planes.planeWidth(plane)));
-    }
-  }
-  return copy;
-}
-
-}  // namespace
 
 void Session::State::decode() {
   auto decoder = VideoDecoder::create({});

@@ -76,7 +76,11 @@ std::string scriptData(const nlohmann::ordered_json& root) {
 nlohmann::ordered_json dataUri(std::span<const std::uint8_t> bytes) {
   if (bytes.empty()) return nullptr;
   constexpr std::uint8_t kPngStart = 0x89;
-  return std::string("data:image/") + (bytes[0] == kPngStart ? "png" : "jpeg") + ";base64," + base64(bytes);
+  constexpr std::string_view kMp4Start = "ftyp";  // behind the length of the first box
+  const char* type = bytes[0] == kPngStart ? "image/png" : "image/jpeg";
+  if (bytes.size() > 8 && std::equal(kMp4Start.begin(), kMp4Start.end(), bytes.begin() + 4))
+    type = "video/mp4";
+  return fmt::format("data:{};base64,{}", type, base64(bytes));
 }
 
 std::string contextList(const ReportContext& context) {

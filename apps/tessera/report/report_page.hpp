@@ -20,7 +20,7 @@ std::string fillPage(std::string_view page,
                      const std::map<std::string, std::string_view, std::less<>>& values);
 /// JSON for the inside of a script element.
 std::string scriptData(const nlohmann::ordered_json& json);
-/// The bytes of a PNG or JPEG as an address that an image element takes; null for none.
+/// The bytes of a PNG, a JPEG or an MP4 as an address that an image or video element takes; null for none.
 nlohmann::ordered_json dataUri(std::span<const std::uint8_t> bytes);
 /// Items of a description list.
 std::string contextList(const ReportContext& context);

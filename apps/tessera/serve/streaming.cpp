@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/tessera/serve/shading.hpp"
 #include "engine/measure/statistics.hpp"
 #include "engine/stream/regions.hpp"
 
@@ -14,7 +15,6 @@ namespace tessera::app {
 
 namespace {
 
-constexpr double kVertexPixels = 0.1;          // that a vertex may be off
 constexpr int kLeastFramesBetweenIFrames = 3;  // whoever asks for them
 
 void say(const std::string& line) {
@@ -145,11 +145,6 @@ std::vector<TimedView> Streaming::predict(double time) {
   return all;
 }
 
-void Streaming::holdReset(bool held) {
-  if (RectAtlas* atlas = engine_.atlas(); atlas != nullptr) atlas->memory().holdReset(held);
-  if (TessAtlas* tess = engine_.tess(); tess != nullptr) tess->memory().holdReset(held);
-}
-
 /// Whether the atlas was reset in this frame, and whether it waits for an I-frame to be: then one is wished
 /// for.
 void Streaming::noteReset() {
@@ -181,7 +176,7 @@ Result<void> Streaming::frame(double time) {
   const std::vector<TimedView> views = predict(time);
   const bool iFrame = beginFrame();
   // All blocks move in a reset: only a frame that builds on none shows that at no cost.
-  holdReset(!iFrame);
+  holdReset(engine_, !iFrame);
   // Between its parts the frame before is sent as soon as it is coded, not a frame later.
   timed(times_.visible, [&] { engine_.findVisible(views); });
   sendCoded();
@@ -190,11 +185,7 @@ Result<void> Streaming::frame(double time) {
   if (!placed) return placed;
   sendCoded();
   const gl::Texture& atlas = engine_.gatherer()->atlas().encoded;
-  timed(times_.shade, [&] {
-    // What is free is black where it costs bits: in frames that build on none.
-    if (iFrame) gl::api().ClearTexImage(atlas.get(), 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    engine_.shade(shadedFrom_, options_.shade);
-  });
+  timed(times_.shade, [&] { shadeForVideo(engine_, shadedFrom_, options_.shade, iFrame); });
   sendCoded();
   std::optional<YuvPacker::Read> planes;
   Result<void> packed;
@@ -242,11 +233,10 @@ void Streaming::tellFrame(const wire::FrameHeader& told, const std::vector<wire:
     header.pose = viewer.pose;
     const View own = viewer.track.last()->view;
     const std::optional<View> later = viewer.track.at(viewer.track.last()->time + viewer.latency);
-    const double reach = (later ? glm::length(later->eye - own.eye) : 0.0) + 4.0 * own.zNear;
     wire::Geometry geometry;
     geometry.frame = frame_;
-    geometry.changes = viewer.delta->next(
-        {elements, objects, {}, wire::boundOf(viewer.camera, kVertexPixels, reach), own.eye});
+    geometry.changes =
+        viewer.delta->next(visibleFrame(elements, objects, viewer.camera, own, later.value_or(own)));
     const std::size_t bytes = viewers_.tell(id, header);
     if (bytes != 0) metaBytes_ += bytes + viewers_.tell(id, geometry);
   }

@@ -58,7 +58,6 @@ class Streaming {
   void timed(std::vector<double>& times, const Part& part);
   std::vector<TimedView> predict(double time);
   [[nodiscard]] double latencyOf(const transport::ViewerStatus* status) const;
-  void holdReset(bool held);
   bool beginFrame();
   Result<void> frame(double time);
   void noteReset();

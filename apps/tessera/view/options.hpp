@@ -28,6 +28,7 @@ struct ViewOptions {
   bool stereo = false;
   std::optional<std::string> lensText;  // as addLens takes it
   std::optional<Lens> lens;             // `lensText`, parsed
+  bool overlay = true;                  // the figures, in a window
   std::vector<double> eye, target;  // three numbers each; without them the server's start camera
   std::optional<double> fovY;       // degrees
 };

@@ -7,10 +7,18 @@
 namespace tessera {
 
 Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, VisibleElement element,
-                                      std::uint32_t capacity) {
+                                      std::uint32_t capacity, bool pixels) {
   VisibleSet set;
   gl::Defines defines;
   if (element == VisibleElement::Triangle) defines.emplace("TRIANGLES", "1");
+  if (pixels) {
+    defines.emplace("PIXELS", "1");
+    auto inOrder = programs.get({"pass/visible_pixels.comp"});
+    if (!inOrder) return tl::unexpected(inOrder.error());
+    set.inOrder_ = *inOrder;
+    set.pixels_ = gl::Buffer(std::size_t{capacity} * sizeof(std::uint32_t));
+    set.seen_ = gl::Buffer(std::size_t{capacity} * sizeof(std::uint32_t));
+  }
   auto mark = programs.get({"pass/visible_mark.comp"}, defines);
   if (!mark) return tl::unexpected(mark.error());
   defines.emplace("LAYERS", "1");
@@ -39,10 +47,12 @@ void VisibleSet::begin() {
     frame_ = 1;
   }
   list_.fill(0, 0, sizeof(std::uint32_t));
+  if (pixels_) pixels_.fill(0);
 }
 
 void VisibleSet::add(const gl::Texture& ids) {
   bind();
+  if (pixels_) pixels_.bindStorage(BIND_VISIBLE_PIXELS);
   ids.bind(UNIT_ID);
   const gl::Program& mark = ids.layers() > 0 ? *markLayers_ : *mark_;
   mark.use();
@@ -69,6 +79,18 @@ void VisibleSet::bind() const {
 std::vector<std::uint32_t> VisibleSet::read() const {
   const auto count = list_.readAll<std::uint32_t>(1)[0];
   return list_.readAll<std::uint32_t>(count, sizeof(std::uint32_t));
+}
+
+std::vector<std::uint32_t> VisibleSet::readPixels() const {
+  if (!pixels_) return {};
+  bind();
+  pixels_.bindStorage(BIND_VISIBLE_PIXELS);
+  seen_.bindStorage(BIND_VISIBLE_SEEN);
+  gl::api().MemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+  inOrder_->use();
+  gl::dispatchIndirect(dispatch_);
+  const auto count = list_.readAll<std::uint32_t>(1)[0];
+  return seen_.readAll<std::uint32_t>(count);
 }
 
 }  // namespace tessera

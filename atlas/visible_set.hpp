@@ -15,9 +15,10 @@ enum class VisibleElement : std::uint8_t { Patch, Triangle };
 class VisibleSet {
  public:
   /// Of patch instances, or of triangles: `capacity` of either (see triangleNumber in
-  /// glsl/shared/tess_atlas.h).
-  static Result<VisibleSet> create(gl::ProgramCache& programs, VisibleElement element,
-                                   std::uint32_t capacity);
+  /// glsl/shared/tess_atlas.h). `pixels`: with how many pixels show each, which costs an atomic addition for
+  /// each run of 16 or less of them.
+  static Result<VisibleSet> create(gl::ProgramCache& programs, VisibleElement element, std::uint32_t capacity,
+                                   bool pixels = false);
 
   /// Starts a new frame's list.
   void begin();
@@ -35,14 +36,20 @@ class VisibleSet {
   [[nodiscard]] VisibleElement element() const { return element_; }
   /// Blocking readback of the list, in the order of compaction.
   [[nodiscard]] std::vector<std::uint32_t> read() const;
+  /// Blocking readback, in the same order: of all views that were added, the pixels that show each. After
+  /// finish(); empty where they are not counted.
+  [[nodiscard]] std::vector<std::uint32_t> readPixels() const;
 
  private:
   gl::Buffer list_;   // uint count, uint ids[]
   gl::Buffer marks_;  // the frame each patch instance was last visible in; frames count from 1
   gl::Buffer dispatch_;
+  gl::Buffer pixels_;  // of each element; empty where they are not counted
+  gl::Buffer seen_;    // of each of the list
   const gl::Program* mark_ = nullptr;
   const gl::Program* markLayers_ = nullptr;
   const gl::Program* finish_ = nullptr;
+  const gl::Program* inOrder_ = nullptr;
   VisibleElement element_ = VisibleElement::Patch;
   std::uint32_t capacity_ = 0;
   std::uint32_t frame_ = 0;

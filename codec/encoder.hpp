@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/region.hpp"
 #include "engine/core/result.hpp"
 #include "engine/image/yuv.hpp"
 
@@ -41,17 +42,6 @@ struct EncoderOptions {
 
 /// What is tried where no encoder is named: hardware, then libx264.
 [[nodiscard]] const std::vector<std::string>& defaultEncoders();
-
-/// A part of the picture whose errors count more or less than others'.
-struct Region {
-  int x = 0;  // texels, within the picture
-  int y = 0;
-  int width = 0;
-  int height = 0;
-  /// What a squared error there counts, against one where no region is, [1/64, 64]. The quantizer moves by
-  /// -3 log2 of it: a squared error doubles with every three steps (its step doubles with six).
-  double importance = 1.0;
-};
 
 struct EncodeOptions {
   bool iFrame = false;  // an I-frame now; the interval counts from it

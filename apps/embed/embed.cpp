@@ -47,15 +47,11 @@ tessera::View cameraOf(const tessera::Engine& engine, int width, int height) {
 
 /// What the host's framebuffer holds now, rows from the top.
 tessera::Image readPicture(const Host& host) {
-  const auto row = static_cast<std::size_t>(host.width()) * 4;
-  const auto rows = static_cast<std::size_t>(host.height());
-  std::vector<std::uint8_t> bottomUp(row * rows);
+  std::vector<std::uint8_t> bottomUp(std::size_t{4} * static_cast<std::size_t>(host.width()) *
+                                     static_cast<std::size_t>(host.height()));
   host.gl().PixelStorei(GL_PACK_ALIGNMENT, 1);
   host.gl().ReadPixels(0, 0, host.width(), host.height(), GL_RGBA, GL_UNSIGNED_BYTE, bottomUp.data());
-  tessera::Image image{host.width(), host.height(), std::vector<std::uint8_t>(bottomUp.size())};
-  for (std::size_t y = 0; y < rows; ++y)
-    std::copy_n(bottomUp.data() + (rows - 1 - y) * row, row, image.pixels.data() + y * row);
-  return image;
+  return tessera::flipped(host.width(), host.height(), bottomUp);
 }
 
 Result<void> run(Host& host, const Options& options) {

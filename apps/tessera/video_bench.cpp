@@ -15,16 +15,14 @@
 #include "engine/core/file.hpp"
 #include "engine/measure/metrics.hpp"
 #include "engine/measure/statistics.hpp"
+#include "engine/stream/feed.hpp"
+#include "engine/stream/regions.hpp"
 #include "engine/yuv/packer.hpp"
 #include "engine/yuv/unpacker.hpp"
 
 namespace tessera::app {
 
 namespace {
-
-constexpr double kLeastImportance = 0.25;  // of a region, two halvings either way
-constexpr double kMostImportance = 4.0;
-constexpr int kMacroblock = 16;  // texels a side: finer regions cannot be told apart
 
 struct VideoBenchOptions {
   std::string scene;
@@ -96,56 +94,6 @@ Result<std::vector<Coding>> makeCodings(const VideoBenchOptions& options, const 
   return codings;
 }
 
-/// Each macroblock of the atlas by how many of the picture's pixels a texel of it fills, against the mean of
-/// all that are seen. A block that is shaded but not in this picture counts least.
-std::vector<Region> regionsOf(Engine& engine, const gl::Texture& atlas) {
-  const auto across = static_cast<std::size_t>((atlas.width() + kMacroblock - 1) / kMacroblock);
-  const auto down = static_cast<std::size_t>((atlas.height() + kMacroblock - 1) / kMacroblock);
-  std::vector<double> pixels(across * down, 0.0);
-  const auto states =
-      engine.atlas()->memory().patchStates().readAll<glsl::PatchState>(engine.drawScene().patchInstances);
-  std::vector<std::uint32_t> counts(states.size(), 0);
-  for (const std::uint32_t id : engine.readIds())
-    if (id != 0 && (id >> 2U) - 1 < counts.size()) ++counts[(id >> 2U) - 1];
-  for (std::size_t patch = 0; patch < states.size(); ++patch) {
-    if (counts[patch] == 0) continue;
-    const glsl::PatchState& state = states[patch];
-    const std::size_t x = state.origin & 0xffffU;
-    const std::size_t y = state.origin >> 16U;
-    const std::size_t width = std::size_t{1} << glsl::levelWidth(state.level);
-    const std::size_t height = std::size_t{1} << glsl::levelHeight(state.level);
-    const double share = static_cast<double>(counts[patch]) / static_cast<double>(width * height);
-    for (std::size_t v = y / kMacroblock; v < (y + height + kMacroblock - 1) / kMacroblock && v < down; ++v)
-      for (std::size_t u = x / kMacroblock; u < (x + width + kMacroblock - 1) / kMacroblock && u < across;
-           ++u) {
-        // Of the macroblock's texels, those of this block.
-        const std::size_t wide = std::min(x + width, (u + 1) * kMacroblock) - std::max(x, u * kMacroblock);
-        const std::size_t high = std::min(y + height, (v + 1) * kMacroblock) - std::max(y, v * kMacroblock);
-        pixels[v * across + u] += share * static_cast<double>(wide * high);
-      }
-  }
-  double sum = 0.0;
-  std::size_t seen = 0;
-  for (const double value : pixels) {
-    sum += value;
-    seen += value > 0.0 ? 1 : 0;
-  }
-  std::vector<Region> regions;
-  if (seen == 0) return regions;
-  const double mean = sum / static_cast<double>(seen);
-  for (std::size_t v = 0; v < down; ++v)
-    for (std::size_t u = 0; u < across; ++u) {
-      Region region;
-      region.x = static_cast<int>(u) * kMacroblock;
-      region.y = static_cast<int>(v) * kMacroblock;
-      region.width = std::min(kMacroblock, atlas.width() - region.x);
-      region.height = std::min(kMacroblock, atlas.height() - region.y);
-      region.importance = std::clamp(pixels[v * across + u] / mean, kLeastImportance, kMostImportance);
-      regions.push_back(region);
-    }
-  return regions;
-}
-
 void copyTexture(const gl::Texture& from, const gl::Texture& to) {
   gl::api().CopyImageSubData(from.get(), GL_TEXTURE_2D, 0, 0, 0, 0, to.get(), GL_TEXTURE_2D, 0, 0, 0, 0,
                              to.width(), to.height(), 1);
@@ -162,6 +110,7 @@ struct Bench {
   gl::Texture kept;
   YuvUnpacker unpacker;
   std::vector<Coding> codings;
+  GeometryFeed feed;
   std::optional<YuvPacker> packers[2];  // 4:2:0, 4:4:4
 
   Result<void> frame(const TimedView& timed, std::uint32_t number);
@@ -209,7 +158,9 @@ Result<void> Bench::frame(const TimedView& timed, std::uint32_t number) {
       packed[i] = packers[i]->read();
     }
   const bool any = std::any_of(codings.begin(), codings.end(), [](const Coding& one) { return one.regions; });
-  const std::vector<Region> regions = any ? regionsOf(engine, atlas) : std::vector<Region>{};
+  const std::vector<Region> regions =
+      any ? regionsOf(shownBlocks(engine, feed.visible(engine)), atlas.width(), atlas.height())
+          : std::vector<Region>{};
   for (Coding& coding : codings) {
     const auto& planes = packed[coding.chroma == Chroma::Yuv420 ? 0 : 1];
     if (auto done = code(coding, planes->planes.view(), number,
@@ -265,6 +216,7 @@ Result<void> bench(const VideoBenchOptions& options) {
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   setup->request.forward = false;
+  setup->visiblePixels = options.regions;
   setup->progress = step;
   auto made = Engine::create(**context, std::move(measured->scene), std::move(measured->stage), *setup);
   if (!made) return tl::unexpected(made.error());
@@ -277,11 +229,13 @@ Result<void> bench(const VideoBenchOptions& options) {
   if (!unpacker) return tl::unexpected(unpacker.error());
   auto codings = makeCodings(options, atlas);
   if (!codings) return tl::unexpected(codings.error());
+  engine.update(measured->views.front().time);
   Bench state{engine,
               atlas,
               gl::Texture(GL_RGBA8, atlas.width(), atlas.height()),
               std::move(*unpacker),
               std::move(*codings),
+              GeometryFeed(engine),
               {}};
   for (const Coding& coding : state.codings) {
     auto& packer = state.packers[coding.chroma == Chroma::Yuv420 ? 0 : 1];

@@ -16,6 +16,15 @@ HandshakeStep refusal(const Versions& spoken, RefusalReason reason, std::string 
   return step;
 }
 
+HandshakeStep refusedByPeer(const Versions& spoken, const Record& record) {
+  const auto theirs = readRefusal(record.body);
+  if (!theirs) return refusal(spoken, RefusalReason::Protocol, theirs.error().message);
+  HandshakeStep step;
+  step.refused = *theirs;
+  step.byPeer = true;
+  return step;
+}
+
 std::string outOfTurn(const Record& record) {
   return fmt::format("a {} out of turn in the handshake", nameOf(record.kind));
 }
@@ -39,12 +48,7 @@ HandshakeStep ServerHandshake::receive(const Record& record) {
   if (wants_ == Wants::Proof && record.kind == RecordKind::Proof) return proof(record);
   if (record.kind == RecordKind::Refusal && wants_ != Wants::Nothing) {
     wants_ = Wants::Nothing;
-    const auto theirs = readRefusal(record.body);
-    if (!theirs) return refuse(RefusalReason::Protocol, theirs.error().message);
-    HandshakeStep step;
-    step.refused = *theirs;
-    step.byPeer = true;
-    return step;
+    return refusedByPeer(spoken_, record);
   }
   return refuse(RefusalReason::Protocol, outOfTurn(record));
 }
@@ -52,14 +56,14 @@ HandshakeStep ServerHandshake::receive(const Record& record) {
 HandshakeStep ServerHandshake::hello(const Record& record) {
   const auto hello = readHello(record.body);
   if (!hello) return refuse(RefusalReason::Protocol, hello.error().message);
-  const std::uint16_t newest = std::min(spoken_.newest, hello->versions.newest);
-  if (newest < std::max(spoken_.oldest, hello->versions.oldest))
+  const auto common = wire::commonVersion(spoken_, hello->versions);
+  if (!common)
     return refuse(RefusalReason::Version, fmt::format("this server speaks {}, the viewer {}: none is common",
                                                       describe(spoken_), describe(hello->versions)));
   if (hello->secure != terms_.has_value())
     return refuse(RefusalReason::Security, terms_ ? "this server asks for a pairing token"
                                                   : "this server has no pairing token to compare");
-  version_ = newest;
+  version_ = *common;
   viewers_ = hello->nonce;
   HandshakeStep step;
   step.send = encode(Welcome{version_, own_});
@@ -104,12 +108,7 @@ HandshakeStep ClientHandshake::receive(const Record& record) {
   if (wants_ == Wants::Ready && record.kind == RecordKind::Ready) return ready(record);
   if (record.kind == RecordKind::Refusal && wants_ != Wants::Nothing) {
     wants_ = Wants::Nothing;
-    const auto theirs = readRefusal(record.body);
-    if (!theirs) return refuse(RefusalReason::Protocol, theirs.error().message);
-    HandshakeStep step;
-    step.refused = *theirs;
-    step.byPeer = true;
-    return step;
+    return refusedByPeer(spoken_, record);
   }
   if (record.kind == RecordKind::Ready && wants_ == Wants::Proof)
     return refuse(RefusalReason::Token, "the server did not prove that it has the pairing token");

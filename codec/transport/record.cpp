@@ -78,12 +78,6 @@ std::string nameOf(RecordKind kind) {
   return fmt::format("unknown ({})", static_cast<int>(kind));
 }
 
-std::string describe(const Versions& versions) {
-  return versions.oldest == versions.newest
-             ? fmt::format("version {}", versions.oldest)
-             : fmt::format("versions {} to {}", versions.oldest, versions.newest);
-}
-
 bool isFinal(RefusalReason reason) {
   return reason == RefusalReason::Version || reason == RefusalReason::Token ||
          reason == RefusalReason::Certificate || reason == RefusalReason::Security;

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/wire/versions.hpp"
 #include "engine/core/result.hpp"
 
 namespace tessera::transport {
@@ -50,14 +51,8 @@ enum class RecordKind : std::uint8_t {
 /// "hello", or "unknown (9)".
 std::string nameOf(RecordKind kind);
 
-/// Versions of this channel that a side speaks, both included.
-struct Versions {
-  std::uint16_t oldest = 1;
-  std::uint16_t newest = 1;
-  bool operator==(const Versions&) const = default;
-};
-/// "version 1", "versions 1 to 3".
-std::string describe(const Versions& versions);
+/// Of this channel, whatever is spoken on it.
+using wire::Versions;
 
 struct Hello {
   Versions versions;

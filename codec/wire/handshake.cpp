@@ -1,16 +1,8 @@
 #include "codec/wire/handshake.hpp"
 
-#include <algorithm>
-
 namespace tessera::wire {
 
 namespace {
-
-std::string text(const Versions& versions) {
-  return versions.oldest == versions.newest
-             ? fmt::format("version {}", versions.oldest)
-             : fmt::format("versions {} to {}", versions.oldest, versions.newest);
-}
 
 bool sameToken(const std::string& a, const std::string& b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
@@ -25,12 +17,6 @@ const char* nameOf(Role role) { return role == Role::Server ? "server" : "viewer
 
 }  // namespace
 
-std::optional<std::uint16_t> commonVersion(const Versions& a, const Versions& b) {
-  const std::uint16_t newest = std::min(a.newest, b.newest);
-  if (newest < std::max(a.oldest, b.oldest)) return std::nullopt;
-  return newest;
-}
-
 Answer answer(const Hello& hello, Role own, const Versions& spoken, const std::string& token) {
   Answer result;
   result.refusal.versions = spoken;
@@ -38,7 +24,7 @@ Answer answer(const Hello& hello, Role own, const Versions& spoken, const std::s
   if (!version) {
     result.refusal.reason = RefusalReason::Version;
     result.refusal.why = fmt::format("this {} speaks {}, the other side {}: none is common", nameOf(own),
-                                     text(spoken), text(hello.versions));
+                                     describe(spoken), describe(hello.versions));
   } else if (hello.role == own) {
     result.refusal.reason = RefusalReason::Role;
     result.refusal.why = fmt::format("both sides are a {}", nameOf(own));

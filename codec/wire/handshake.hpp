@@ -11,9 +11,6 @@ namespace tessera::wire {
 /// Versions that this code speaks.
 inline constexpr Versions kSpoken{1, 1};
 
-/// The newest version that both speak; none where their ranges do not meet.
-std::optional<std::uint16_t> commonVersion(const Versions& a, const Versions& b);
-
 /// A side's answer to a hello: the version to speak, or the refusal to send before hanging up. `token`: what
 /// a peer must give, empty for none; compared in a time that does not depend on where they differ.
 struct Answer {

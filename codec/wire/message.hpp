@@ -28,6 +28,7 @@
 #include <vector>
 
 #include "codec/wire/geometry.hpp"
+#include "codec/wire/versions.hpp"
 #include "engine/core/result.hpp"
 
 namespace tessera::wire {
@@ -58,12 +59,6 @@ std::size_t mostBytes(Kind kind);
 enum class Role : std::uint8_t { Server = 1, Viewer = 2 };
 /// Whether a side of this role may send messages of this kind at all.
 bool sends(Role role, Kind kind);
-/// Protocol versions that a side speaks, both included.
-struct Versions {
-  std::uint16_t oldest = 1;
-  std::uint16_t newest = 1;
-  bool operator==(const Versions&) const = default;
-};
 
 struct Hello {
   Versions versions;

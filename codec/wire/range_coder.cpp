@@ -38,6 +38,13 @@ void RangeEncoder::shift() {
   low_ = (low_ & 0x00ffffffu) << 8;
 }
 
+void RangeEncoder::normalize() {
+  while (range_ < kLeastRange) {
+    range_ <<= 8;
+    shift();
+  }
+}
+
 void RangeEncoder::bit(bool value, BitModel& model) {
   const std::uint32_t zero = model.zero();
   const std::uint32_t bound = (range_ >> BitModel::kBits) * zero;
@@ -49,10 +56,7 @@ void RangeEncoder::bit(bool value, BitModel& model) {
     range_ = bound;
   }
   model.update(value);
-  while (range_ < kLeastRange) {
-    range_ <<= 8;
-    shift();
-  }
+  normalize();
 }
 
 void RangeEncoder::plain(std::uint32_t value, int count) {
@@ -60,10 +64,7 @@ void RangeEncoder::plain(std::uint32_t value, int count) {
   for (int i = count - 1; i >= 0; --i) {
     range_ >>= 1;
     if (((value >> i) & 1u) != 0) low_ += range_;
-    while (range_ < kLeastRange) {
-      range_ <<= 8;
-      shift();
-    }
+    normalize();
   }
 }
 
@@ -85,6 +86,13 @@ std::uint8_t RangeDecoder::next() {
   return 0;
 }
 
+void RangeDecoder::normalize() {
+  while (range_ < kLeastRange) {
+    range_ <<= 8;
+    code_ = (code_ << 8) | next();
+  }
+}
+
 bool RangeDecoder::bit(BitModel& model) {
   const std::uint32_t bound = (range_ >> BitModel::kBits) * model.zero();
   const bool value = code_ >= bound;
@@ -95,10 +103,7 @@ bool RangeDecoder::bit(BitModel& model) {
     range_ = bound;
   }
   model.update(value);
-  while (range_ < kLeastRange) {
-    range_ <<= 8;
-    code_ = (code_ << 8) | next();
-  }
+  normalize();
   return value;
 }
 
@@ -109,10 +114,7 @@ std::uint32_t RangeDecoder::plain(int count) {
     const bool bit = code_ >= range_;
     if (bit) code_ -= range_;
     value = (value << 1) | (bit ? 1u : 0u);
-    while (range_ < kLeastRange) {
-      range_ <<= 8;
-      code_ = (code_ << 8) | next();
-    }
+    normalize();
   }
   return value;
 }

@@ -47,6 +47,7 @@ class RangeEncoder {
   [[nodiscard]] double cost() const { return cost_; }
 
  private:
+  void normalize();
   void shift();
   std::vector<std::uint8_t> bytes_;
   std::uint64_t low_ = 0;
@@ -68,6 +69,7 @@ class RangeDecoder {
   [[nodiscard]] bool overrun() const { return overrun_; }
 
  private:
+  void normalize();
   std::uint8_t next();
   std::span<const std::uint8_t> bytes_;
   std::size_t at_ = 0;

@@ -282,7 +282,7 @@ Result<void> Engine::State::makeGatherer(const EngineOptions& wanted) {
   const std::uint32_t elements = draw.patchInstances * (triangles ? 4 : 1);
   std::optional<VisibleSet> newVisible;
   if (!visible || visible->element() != element) {
-    auto made = VisibleSet::create(programs, element, elements);
+    auto made = VisibleSet::create(programs, element, elements, wanted.visiblePixels);
     if (!made) return tl::unexpected(made.error());
     newVisible = std::move(*made);
   }
@@ -328,16 +328,6 @@ void Engine::rect(const View& view, DisplayMode mode) {
   place(views);
   shade(view);
   display(view, mode);
-}
-
-Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp) {
-  Image image{width, height, std::vector<std::uint8_t>(bottomUp.size())};
-  const auto row = static_cast<std::size_t>(width) * 4;
-  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    std::copy_n(
-        bottomUp.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height) - 1 - y) * row), row,
-        image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
-  return image;
 }
 
 const gl::Texture& Engine::color() const { return s_->shown().color; }

@@ -57,6 +57,7 @@ struct EngineOptions {
   /// (ContextInfo::vertexLayers); false: a pass a view. The visible set is the same.
   /// On a software renderer one pass takes 1.01 to 1.04 of the time of two (stereo at 720p, medians).
   bool idLayers = true;
+  bool visiblePixels = false;                             // VisibleSet::readPixels has something to give
   NumericForms forms;                                     // without reversed depth there is no warping
   bool timePasses = false;                                // measure each pass: a finish or a query around it
   bool countFragments = false;                            // pipeline statistics around forward and gather
@@ -191,6 +192,8 @@ class Engine {
   /// What each pixel of the last view of findVisible shows, rows from the top: see idOfTriangle in
   /// glsl/shared/scene.h, 0 for nothing; blocking readback. Empty before findVisible.
   [[nodiscard]] std::vector<std::uint32_t> readIds() const;
+  /// VisibleSet::readPixels of the last findVisible(); empty without EngineOptions::visiblePixels. Blocking.
+  [[nodiscard]] std::vector<std::uint32_t> readVisiblePixels() const;
   /// Longest edge to height of such a triangle (an id that is not 0), as the view's eye sees it: what makes
   /// it slanted. 0 where it is no longer than a pixel.
   [[nodiscard]] double slantOf(std::uint32_t id, const View& view) const;

@@ -204,7 +204,4 @@ struct Engine::State {
   void drawTransparent(const View& view, const char* passName, const gl::Texture& depth);
 };
 
-/// Pixels from a bottom-up RGBA readback, rows from the top.
-Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp);
-
 }  // namespace tessera

@@ -34,6 +34,12 @@ std::uint64_t Engine::visibleTriangles() const {
   return triangles;
 }
 
+std::vector<std::uint32_t> Engine::readVisiblePixels() const {
+  if (!s_->visible) return {};
+  const auto guard = s_->guard();
+  return s_->visible->readPixels();
+}
+
 std::vector<std::uint32_t> Engine::readIds() const {
   const State& s = *s_;
   const gl::Texture& texture = s.ids();

@@ -49,6 +49,16 @@ void append(void* context, void* bytes, int size) {
 
 }  // namespace
 
+Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp) {
+  Image image{width, height, std::vector<std::uint8_t>(bottomUp.size())};
+  const auto row = static_cast<std::size_t>(width) * 4;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
+    std::copy_n(
+        bottomUp.begin() + static_cast<std::ptrdiff_t>((static_cast<std::size_t>(height) - 1 - y) * row), row,
+        image.pixels.begin() + static_cast<std::ptrdiff_t>(y * row));
+  return image;
+}
+
 Result<Image> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name) {
   if (bytes.empty()) return fail("{}: image has no bytes", name);
   if (bytes.size() > std::size_t{1} << 30)

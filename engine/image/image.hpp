@@ -34,6 +34,8 @@ inline constexpr int kMaxImageSide = 16384;
 /// The most pixels of one image; guards memory against files that claim 16384 x 16384.
 inline constexpr std::size_t kMaxImagePixels = std::size_t{1} << 26;
 
+/// Of rows from the bottom, as GL reads them back; RGBA.
+Image flipped(int width, int height, const std::vector<std::uint8_t>& bottomUp);
 /// Decodes PNG or JPEG bytes to RGBA. `name` is what an error calls the image.
 Result<Image> decodeImage(std::span<const std::uint8_t> bytes, const std::string& name);
 /// Reads and decodes a PNG or JPEG file.

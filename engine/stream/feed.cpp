@@ -8,6 +8,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "codec/wire/mask.hpp"
+
 namespace tessera {
 
 namespace {
@@ -128,29 +130,14 @@ std::vector<wire::MaskImage> masksOf(const Scene& scene) {
       const Image& image = scene.images[slot.image].image;
       mask.across = wrapOf(slot.sampler.wrapS);
       mask.up = wrapOf(slot.sampler.wrapT);
-      // The mean of squares of so many texels a side.
-      int side = 1;
-      while (image.width / side > static_cast<int>(wire::kMostMaskSide) ||
-             image.height / side > static_cast<int>(wire::kMostMaskSide))
-        side *= 2;
-      mask.width = static_cast<std::uint32_t>(std::max(image.width / side, 1));
-      mask.height = static_cast<std::uint32_t>(std::max(image.height / side, 1));
-      mask.alpha.clear();
-      for (std::uint32_t y = 0; y < mask.height; ++y)
-        for (std::uint32_t x = 0; x < mask.width; ++x) {
-          double sum = 0.0;
-          for (int v = 0; v < side; ++v)
-            for (int u = 0; u < side; ++u) {
-              const auto column =
-                  std::min(x * static_cast<std::uint32_t>(side) + static_cast<std::uint32_t>(u),
-                           static_cast<std::uint32_t>(image.width - 1));
-              const auto row = std::min(y * static_cast<std::uint32_t>(side) + static_cast<std::uint32_t>(v),
-                                        static_cast<std::uint32_t>(image.height - 1));
-              sum +=
-                  image.pixels[(std::size_t{row} * static_cast<std::size_t>(image.width) + column) * 4 + 3];
-            }
-          mask.alpha.push_back(scaled(sum / (side * side)));
-        }
+      wire::AlphaPlane plane{
+          static_cast<std::uint32_t>(image.width), static_cast<std::uint32_t>(image.height), {}};
+      for (std::size_t i = 3; i < image.pixels.size(); i += 4) plane.alpha.push_back(scaled(image.pixels[i]));
+      while (std::max(plane.width, plane.height) > wire::kMostMaskSide)
+        plane = wire::halved(plane.width, plane.height, plane.alpha);
+      mask.width = plane.width;
+      mask.height = plane.height;
+      mask.alpha = std::move(plane.alpha);
     }
     masks.push_back(std::move(mask));
   }

@@ -26,6 +26,7 @@ inline constexpr double kFarthestEye = 1e9;  // metres from the origin, along ea
 
 /// Alpha of a scene's masked materials, numbered as the styles of elements name them: vertex colours have no
 /// part in it. A material without an image has one texel. Images beyond wire::kMostMaskSide are halved.
+/// Of a scene before an engine takes it: that keeps no pixels.
 std::vector<wire::MaskImage> masksOf(const Scene& scene);
 
 class GeometryFeed {

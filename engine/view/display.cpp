@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include "codec/wire/mask.hpp"
 #include "engine/gl/draw_state.hpp"
 #include "engine/gl/state_guard.hpp"
 #include "engine/view/camera.hpp"
@@ -40,26 +40,10 @@ glsl::StreamedMask appendMask(const wire::MaskImage& mask, std::vector<std::uint
   gpu.wrapAcross = static_cast<std::uint32_t>(mask.across);
   gpu.wrapUp = static_cast<std::uint32_t>(mask.up);
   gpu.cutoff = mask.cutoff;
-  std::vector<std::uint8_t> level = mask.alpha;
-  std::uint32_t width = mask.width;
-  std::uint32_t height = mask.height;
+  wire::AlphaPlane level{mask.width, mask.height, mask.alpha};
   for (std::uint32_t i = 0; i < gpu.levels; ++i) {
-    alpha.insert(alpha.end(), level.begin(), level.end());
-    const std::uint32_t w = std::max(width / 2, 1u);
-    const std::uint32_t h = std::max(height / 2, 1u);
-    std::vector<std::uint8_t> next(std::size_t{w} * h);
-    for (std::uint32_t y = 0; y < h; ++y)
-      for (std::uint32_t x = 0; x < w; ++x) {
-        const auto at = [&](std::uint32_t dx, std::uint32_t dy) {
-          return static_cast<std::uint32_t>(
-              level[std::size_t{std::min(2 * y + dy, height - 1)} * width + std::min(2 * x + dx, width - 1)]);
-        };
-        next[std::size_t{y} * w + x] =
-            static_cast<std::uint8_t>((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1) + 2) / 4);
-      }
-    level = std::move(next);
-    width = w;
-    height = h;
+    alpha.insert(alpha.end(), level.alpha.begin(), level.alpha.end());
+    level = wire::halved(level.width, level.height, level.alpha);
   }
   return gpu;
 }
@@ -209,16 +193,7 @@ void StreamedDisplay::drawStereo(const wire::Camera& camera, double eyeDistance)
 }
 
 Image StreamedDisplay::read() const {
-  Image image;
-  image.width = color_.width();
-  image.height = color_.height();
-  const auto rows = gl::readTexture(encoded_, GL_RGBA, GL_UNSIGNED_BYTE, 4);
-  const std::size_t row = static_cast<std::size_t>(image.width) * 4;
-  image.pixels.resize(rows.size());
-  for (int y = 0; y < image.height; ++y)
-    std::memcpy(image.pixels.data() + static_cast<std::size_t>(y) * row,
-                rows.data() + static_cast<std::size_t>(image.height - 1 - y) * row, row);
-  return image;
+  return flipped(color_.width(), color_.height(), gl::readTexture(encoded_, GL_RGBA, GL_UNSIGNED_BYTE, 4));
 }
 
 void StreamedDisplay::blit(unsigned framebuffer, int width, int height) const {

@@ -127,8 +127,7 @@ void Session::State::receive(wire::Message& message) {
   if (auto* header = std::get_if<wire::FrameHeader>(&message)) {
     const auto now = Clock::now();
     const auto posed = sentPose(header->camera);
-    if (posed != Clock::time_point{})
-      latency.add(Stage::Server, std::chrono::duration<double, std::milli>(now - posed).count());
+    if (posed != Clock::time_point{}) latency.add(Stage::Server, millisecondsBetween(posed, now));
     {
       const std::lock_guard lock(mutex);
       ++figures.frames;

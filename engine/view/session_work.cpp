@@ -3,14 +3,6 @@
 
 namespace tessera::view {
 
-namespace {
-
-double millisecondsBetween(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double, std::milli>(to - from).count();
-}
-
-}  // namespace
-
 void Session::State::decode() {
   auto decoder = VideoDecoder::create({});
   Generation of = 0;

@@ -13,6 +13,10 @@ namespace tessera::view {
 
 using Clock = std::chrono::steady_clock;
 
+inline double millisecondsBetween(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
 /// When a frame passed each stage.
 struct FrameTimes {
   Clock::time_point posed;   // its pose was sent; the epoch where that is not known

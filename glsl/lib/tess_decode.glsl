@@ -5,6 +5,12 @@
 #define L_DECODE lDecodeExact
 #endif
 
+// Of coordinates that are proportional to even ones. A fragment's centre lies in the triangle but for rounding.
+vec3 evenOf(vec3 weighted) {
+  vec3 even = max(weighted, vec3(0.0));
+  return even / max(even.x + even.y + even.z, 1e-30);
+}
+
 // Where a triangle's samples have a place in even coordinates: atlas texels, centres at .5.
 vec2 atlasOfEven(TessShape shape, uint place0, uint place1, vec3 even) {
   uint kind = kindOf(shape.kind);

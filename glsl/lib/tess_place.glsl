@@ -9,12 +9,6 @@ vec3 weightsOf(uint entry) {
   return vec3(drawVertices[3u * entry].w, drawVertices[3u * entry + 1u].w, drawVertices[3u * entry + 2u].w);
 }
 
-// Of coordinates that are proportional to even ones. A fragment's centre lies in the triangle but for rounding.
-vec3 evenOf(vec3 weighted) {
-  vec3 even = max(weighted, vec3(0.0));
-  return even / max(even.x + even.y + even.z, 1e-30);
-}
-
 // Atlas texels of a point of an entry, by its barycentric coordinates times the corners' weights.
 vec2 atlasOfEntry(uint entry, vec3 weighted) {
   TessEntry e = entries[entry];

@@ -38,7 +38,7 @@ layout(location = 2) out vec2 vAtlas;
 #ifdef CHARTS
 layout(location = 3) flat out uint vPatch;
 #else
-layout(location = 3) flat out vec4 vWithin;  // where bilinear filtering stays in the block: low xy, high zw
+layout(location = 3) flat out vec4 vWithin;  // see insideOfBlock
 #endif
 
 invariant gl_Position;
@@ -49,9 +49,7 @@ void main() {
 #ifdef CHARTS
   vPatch = gatherVertices[gl_VertexID].instance & ~kChartRepeated;
 #else
-  uvec2 size = uvec2(aBlock & 15u, aBlock >> 4u);
-  vec2 start = vec2(blockStart(aTexel & 0xffffu, size.x), blockStart(aTexel >> 16u, size.y));
-  vWithin = vec4(start + 0.5, start + vec2(uvec2(1u) << size) - 0.5) * uTexelToUv.xyxy;
+  vWithin = insideOfBlock(uvec2(aTexel & 0xffffu, aTexel >> 16u), uvec2(aBlock & 15u, aBlock >> 4u)) * uTexelToUv.xyxy;
   vAtlas *= uTexelToUv;
 #endif
 #ifdef MASK

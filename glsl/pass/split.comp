@@ -20,6 +20,11 @@ layout(location = LOCATION_FRAME) uniform uint uFrame;
 // How much wider than chosen sizes must be for a split triangle to have fewer pieces: cameras that sway change nothing.
 const float kKeeps = 1.1;
 
+// Read before any loop: Mesa 22.3's software drivers keep one value of a load for a loop and what follows it, and take 0
+// for threads that left the loop while others went on.
+uint viewCount = 0u;
+TessLimits limits = TessLimits(0.0, 0.0, 0.0);
+
 bool seenBy(uint view, mat3 corners) {
   mat3x4 clip;
   for (int i = 0; i < 3; ++i) clip[i] = views[view].viewProjection * vec4(corners[i], 1.0);
@@ -35,17 +40,17 @@ bool seenBy(uint view, mat3 corners) {
 }
 
 bool isSeen(mat3 corners) {
-  for (uint view = 0u; view < atlas.config.views; ++view)
+  for (uint view = 0u; view < viewCount; ++view)
     if (seenBy(view, corners)) return true;
   return false;
 }
 
 // Whether slots have room for what the views want of it.
 bool fits(mat3 corners, float scale) {
-  for (uint view = 0u; view < atlas.config.views; ++view) {
+  for (uint view = 0u; view < viewCount; ++view) {
     vec3 at = views[view].eye.xyz;
     TessMeasure seen = measureTriangle(corners[0] - at, corners[1] - at, corners[2] - at, views[view].eye.w);
-    if (scaleWithin(seen, scale, atlas.config.limits) < scale) return false;
+    if (scaleWithin(seen, scale, limits) < scale) return false;
   }
   return true;
 }
@@ -74,6 +79,9 @@ uint takeBlock() {
 void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= visibleCount) return;
+  viewCount = atlas.config.views;
+  limits = atlas.config.limits;
+  uint triangles = atlas.config.triangles;
   uint number = visibleIds[i];
   elementIds[i] = number;
   SceneTriangle triangle = sceneTriangle(number);
@@ -93,7 +101,7 @@ void main() {
   for (uint index = 0u; index < n * n; ++index) {
     SplitPiece piece = SplitPiece(index, n);
     uint at = block * kSplitBlock + index;
-    uint pieceNumber = atlas.config.triangles + at;
+    uint pieceNumber = triangles + at;
     entryOfTriangle[pieceNumber] = kNoEntry;  // until it is emitted
     if (!isSeen(corners * pieceCorners(piece))) continue;
     splitPieces[at] = TessPieceGpu(number, packPiece(n, index), uFrame, 0u);

@@ -20,6 +20,7 @@ layout(location = 1) flat in uint vElement;
 #else
 layout(location = 0) in vec2 vAtlas;
 layout(location = 1) flat in uint vElement;
+layout(location = 3) flat in vec4 vWithin;
 #endif
 #ifdef MASK
 layout(location = 2) in vec2 vMaskAt;
@@ -27,12 +28,6 @@ layout(location = 2) in vec2 vMaskAt;
 layout(location = 0) out vec4 oColor;
 
 #ifdef TESS
-// Of coordinates that are proportional to even ones. A fragment's centre lies in the triangle but for rounding.
-vec3 evenOf(vec3 weighted) {
-  vec3 even = max(weighted, vec3(0.0));
-  return even / max(even.x + even.y + even.z, 1e-30);
-}
-
 TessShape shapeOf(StreamedTess e) { return TessShape(e.kind, e.size, e.form); }
 
 // Of a split triangle the samples of the piece that the point lies in; its own, coarse ones where there is no such piece.
@@ -66,7 +61,7 @@ void main() {
 #ifdef TESS
   vec2 at = atlasTexel(vElement, vPoint.xyz) * uTexelToUv;
 #else
-  vec2 at = vAtlas;
+  vec2 at = clamp(vAtlas, vWithin.xy, vWithin.zw);  // as in display.frag
 #endif
   oColor = vec4(textureLod(uAtlas, at, 0.0).rgb, 1.0);
 }

@@ -22,6 +22,7 @@ layout(location = 1) flat out uint vElement;
 #else
 layout(location = 0) out vec2 vAtlas;
 layout(location = 1) flat out uint vElement;
+layout(location = 3) flat out vec4 vWithin;  // see insideOfBlock
 #endif
 
 invariant gl_Position;
@@ -36,6 +37,7 @@ void main() {
   vPoint = vec4(0.0);
 #else
   vAtlas = vec2(0.0);
+  vWithin = vec4(0.0);
 #endif
 #ifdef MASK
   vMaskAt = vec2(0.0);
@@ -57,8 +59,10 @@ void main() {
   point[corner] = weights[corner];
   vPoint = vec4(point, weights[corner]);
 #else
-  uvec2 texel = streamedHalfTexel(streamedElements[element], t.owner, corner);
+  StreamedPatch place = streamedElements[element];
+  uvec2 texel = streamedHalfTexel(place, t.owner, corner);
   vAtlas = 0.5 * vec2(float(texel.x), float(texel.y)) * uTexelToUv;
+  vWithin = insideOfBlock(texel, uvec2(levelWidth(place.level), levelHeight(place.level))) * uTexelToUv.xyxy;
 #endif
 #ifdef MASK
   vMaskAt = maskAt[corner == 0u ? t.v0 : (corner == 1u ? t.v1 : t.v2)];

@@ -67,6 +67,10 @@
 // Shader storage: planes of video. Where they are made and read nothing of a scene is bound.
 #define BIND_YUV_PLANES 9      // YuvHeader, uint[]
 
+// Shader storage while the visible set is found:
+#define BIND_VISIBLE_PIXELS 18 // uint[patch instances or triangles]: how many pixels show it
+#define BIND_VISIBLE_SEEN 19   // uint[]: the same, in the order of the visible list
+
 #define BIND_STORAGE_COUNT 25   // of the above
 
 // Uniform buffers

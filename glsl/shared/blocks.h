@@ -52,6 +52,13 @@ SHARED_FN uint cornerHalfTexel(uint side, uint log2Size) {
 // The first texel of the block that a half-texel coordinate lies in: blocks are aligned to their size.
 SHARED_FN uint blockStart(uint halfTexel, uint log2Size) { return ((halfTexel >> 1u) >> log2Size) << log2Size; }
 
+// Where bilinear filtering stays in a block: its lowest and highest places, in texels. halfTexel: of any of its corners.
+SHARED_FN vec4 insideOfBlock(uvec2 halfTexel, uvec2 log2Size) {
+  vec2 start = vec2(float(blockStart(halfTexel.x, log2Size.x)), float(blockStart(halfTexel.y, log2Size.y)));
+  vec2 end = start + vec2(float(1u << log2Size.x), float(1u << log2Size.y));
+  return vec4(start.x + 0.5, start.y + 0.5, end.x - 0.5, end.y - 0.5);
+}
+
 // How far past its texel centre an edge corner is drawn when shading, in texels. The rasterizer's fill rule leaves the
 // texels exactly on the right and bottom edges out; four steps of the 8-bit subpixel grid bring them in, and shift the
 // sample by at most this much of a texel. A block of one texel is drawn edge to edge.

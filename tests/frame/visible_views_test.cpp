@@ -1,6 +1,7 @@
 // The visible set of several views: one pass over layers gives what a pass a view gives.
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 
 #include "engine/frame/engine.hpp"
@@ -40,8 +41,7 @@ Scene boards() {
   return scene;
 }
 
-std::unique_ptr<Engine> make(bool layers, Scene scene = boards()) {
-  EngineOptions options;
+std::unique_ptr<Engine> make(bool layers, Scene scene = boards(), EngineOptions options = {}) {
   options.atlas.memory.width = options.atlas.memory.height = 1024;
   options.splitEdges = 0.0;
   options.request.displayDeferred = true;
@@ -186,6 +186,36 @@ TEST_F(VisibleViews, IdsOfTheLastViewAreShown) {
   auto first = together->debugView(DebugView::Ids, views[0]);
   ASSERT_TRUE(first) << first.error().message;
   EXPECT_NE(first->pixels, shown[1].pixels);
+}
+
+TEST_F(VisibleViews, PixelsAreCountedOverAllViews) {
+  for (const GathererKind kind : {GathererKind::Rect, GathererKind::Tess})
+    for (const bool layers : {true, false}) {
+      EngineOptions options;
+      options.visiblePixels = true;
+      options.gatherer = kind;
+      auto engine = make(layers, boards(), options);
+      ASSERT_TRUE(engine);
+      const auto views = eyes(3);
+      std::map<std::uint32_t, std::uint32_t> expected;
+      for (const View& view : views) {
+        engine->findVisible({&view, 1});
+        for (const std::uint32_t id : engine->readIds())
+          if (id != 0) ++expected[kind == GathererKind::Tess ? id - 4 : (id >> 2U) - 1];
+      }
+      engine->findVisible(views);
+      const auto numbers = engine->visibleSet()->read();
+      const auto pixels = engine->readVisiblePixels();
+      ASSERT_EQ(pixels.size(), numbers.size());
+      std::map<std::uint32_t, std::uint32_t> counted;
+      for (std::size_t i = 0; i < numbers.size(); ++i) counted[numbers[i]] = pixels[i];
+      EXPECT_EQ(counted, expected);
+      EXPECT_GT(expected.size(), 20u);
+    }
+  auto without = make(true);
+  ASSERT_TRUE(without);
+  without->findVisible(eyes(1));
+  EXPECT_TRUE(without->readVisiblePixels().empty());
 }
 
 }  // namespace

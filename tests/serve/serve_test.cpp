@@ -152,6 +152,11 @@ void expectStream(const std::vector<std::string>& more, wire::Method method) {
   EXPECT_EQ(watcher.setup->method, method);
   EXPECT_TRUE(watcher.sawIFrame);
   EXPECT_GT(watcher.elements(), 100u);
+  // The atrium's leaves: with holes.
+  ASSERT_FALSE(watcher.masks.empty());
+  const std::vector<std::uint8_t>& alpha = watcher.masks.front().alpha;
+  EXPECT_EQ(*std::min_element(alpha.begin(), alpha.end()), 0);
+  EXPECT_EQ(*std::max_element(alpha.begin(), alpha.end()), 255);
   // Each decoded atlas has the geometry of its number.
   for (const std::uint32_t frame : watcher.decodedFrames)
     EXPECT_NE(std::find(watcher.geometryFrames.begin(), watcher.geometryFrames.end(), frame),

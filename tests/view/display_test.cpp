@@ -62,6 +62,8 @@ Pictures drawn(Scene scene, GathererKind gatherer, const View& shaded, const Vie
   options.gatherer = gatherer;
   options.request.forward = false;
   options.atlas.memory.width = options.atlas.memory.height = 1024;
+  // Before the engine takes the scene, which keeps no pixels.
+  auto masks = std::make_shared<const std::vector<wire::MaskImage>>(masksOf(scene));
   auto engine = Engine::create(test::context(), std::move(scene), std::nullopt, options);
   if (!engine) {
     ADD_FAILURE() << engine.error().message;
@@ -94,7 +96,7 @@ Pictures drawn(Scene scene, GathererKind gatherer, const View& shaded, const Vie
   wire::VisibleMirror mirror(feed.source().method, {static_cast<std::uint32_t>(planes.width),
                                                     static_cast<std::uint32_t>(planes.height)});
   if (auto applied = mirror.apply(message); !applied) ADD_FAILURE() << applied.error().message;
-  frame.masks = std::make_shared<const std::vector<wire::MaskImage>>(masksOf(e.scene()));
+  frame.masks = std::move(masks);
   frame.take(mirror);
 
   auto display = view::StreamedDisplay::create(test::context());
@@ -129,6 +131,45 @@ void compare(GathererKind gatherer) {
 
 TEST_F(ViewDisplay, EqualsTheEnginesRect) { compare(GathererKind::Rect); }
 TEST_F(ViewDisplay, EqualsTheEnginesTess) { compare(GathererKind::Tess); }
+
+/// The corner behind a leaf with a checkered mask.
+Scene leafScene() {
+  Scene scene = test::cornerScene();
+  Material leaf = test::unlit();
+  leaf.alphaMode = AlphaMode::Mask;
+  leaf.doubleSided = true;
+  leaf.baseColor.image = test::addCheckers(scene, 64, 4, true);
+  const auto material = test::addMaterial(scene, leaf);
+  test::place(scene, test::addGrid(scene, {2.0f, 0.8f, -0.5f}, {0.8f, 0, 0}, {0, 0.8f, 0}, 2, 2, material));
+  test::finish(scene);
+  return scene;
+}
+
+void compareMasked(GathererKind gatherer) {
+  const View view = corner({3.0, 2.0, 2.0});
+  const Pictures pictures = drawn(leafScene(), gatherer, view, view);
+  EXPECT_GE(psnrOf(pictures), 35.0);
+  // Holes show what is behind, and what is behind was not hidden when it was shaded.
+  const Pictures without = drawn(test::cornerScene(), gatherer, view, view);
+  std::size_t leaf = 0;
+  std::size_t holes = 0;
+  for (int y = 0; y < view.height; ++y)
+    for (int x = 0; x < view.width; ++x) {
+      const auto differs = [&](const Image& a, const Image& b) {
+        int most = 0;
+        for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(a.at(x, y)[c] - b.at(x, y)[c]));
+        return most > 24;
+      };
+      const bool engine = differs(pictures.engine, without.engine);
+      leaf += engine ? 1 : 0;
+      holes += engine != differs(pictures.viewer, without.viewer) ? 1 : 0;
+    }
+  EXPECT_GT(leaf, 500u);
+  EXPECT_LT(holes, leaf / 20);
+}
+
+TEST_F(ViewDisplay, MasksHaveTheirHolesRect) { compareMasked(GathererKind::Rect); }
+TEST_F(ViewDisplay, MasksHaveTheirHolesTess) { compareMasked(GathererKind::Tess); }
 
 TEST_F(ViewDisplay, ShowsTheBackgroundBeforeTheFirstFrame) {
   auto display = view::StreamedDisplay::create(test::context());

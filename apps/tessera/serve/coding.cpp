@@ -13,10 +13,10 @@ CodingThread::~CodingThread() {
   thread_.join();
 }
 
-void CodingThread::push(YuvImage planes, std::uint32_t frame, bool iFrame) {
+void CodingThread::push(YuvImage planes, std::uint32_t frame, bool iFrame, std::vector<Region> regions) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return !next_; });
-  next_ = Job{std::move(planes), frame, iFrame};
+  next_ = Job{std::move(planes), frame, iFrame, std::move(regions)};
   changed_.notify_all();
 }
 
@@ -41,7 +41,8 @@ void CodingThread::run() {
       busy_ = true;
     }
     changed_.notify_all();
-    auto coded = encoder_.encode(job->planes.view(), job->frame, {.iFrame = job->iFrame});
+    auto coded =
+        encoder_.encode(job->planes.view(), job->frame, {.iFrame = job->iFrame, .regions = job->regions});
     {
       const std::lock_guard lock(mutex_);
       done_.push_back(std::move(coded));

@@ -20,7 +20,7 @@ class CodingThread {
   CodingThread& operator=(const CodingThread&) = delete;
 
   /// Waits while the frame before is coded.
-  void push(YuvImage planes, std::uint32_t frame, bool iFrame);
+  void push(YuvImage planes, std::uint32_t frame, bool iFrame, std::vector<Region> regions);
   /// Waits until all that was pushed is coded.
   void finish();
   /// What is coded since the last call, in order; errors of the encoder among it. Never waits.
@@ -31,6 +31,7 @@ class CodingThread {
     YuvImage planes;
     std::uint32_t frame;
     bool iFrame;
+    std::vector<Region> regions;
   };
   void run();
 

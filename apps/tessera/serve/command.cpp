@@ -27,6 +27,7 @@ struct ServeOptions {
   std::string chroma = "420";
   int iFrames = 60;
   std::string encoder;
+  bool regions = true;
   std::string token;
   std::string keys;
   int frames = 0;
@@ -59,9 +60,12 @@ Result<void> serve(const ServeOptions& options) {
   const auto step = [&](const std::string& text) { loading->step(text); };
   auto scene = loadGltf(options.scene, {.loadImages = true, .progress = step});
   if (!scene) return tl::unexpected(scene.error());
+  // Before the engine takes the scene: it keeps no pixels of it.
+  std::vector<wire::MaskImage> masks = masksOf(*scene);
   auto context = openContext(options.context);
   if (!context) return tl::unexpected(context.error());
   setup->request = {.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = false};
+  setup->visiblePixels = options.regions;
   setup->progress = step;
   auto engine = Engine::create(**context, std::move(*scene), std::move(*stage), *setup);
   if (!engine) return tl::unexpected(engine.error());
@@ -92,6 +96,8 @@ Result<void> serve(const ServeOptions& options) {
   stream.height = static_cast<std::uint32_t>(atlas.height());
   stream.fpsNumerator = static_cast<std::uint32_t>(std::lround(options.fps * 1000.0));
   stream.fpsDenominator = 1000;
+  std::vector<wire::Message> greeting = {std::move(stream)};
+  for (wire::MaskImage& mask : masks) greeting.emplace_back(std::move(mask));
   transport::ServerOptions listening;
   listening.listen = *address;
   listening.token = options.token;
@@ -117,7 +123,7 @@ Result<void> serve(const ServeOptions& options) {
   streamed.shade = shadeOptions(options.atlas);
   streamed.timeStages = !options.stats.empty();
   Streaming streaming(streamed, **engine, **server, std::move(*packer), std::move(*encoder),
-                      std::move(stream));
+                      std::move(greeting));
   if (auto ran = streaming.run(stopAsked); !ran) return ran;
   if (options.stats.empty()) return {};
   return writeFile(options.stats, streaming.statistics().dump(2) + "\n");
@@ -153,6 +159,8 @@ Run addServe(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--encoder", options->encoder,
                      "libavcodec's name of one; else the first of several that opens");
+  command.add_flag("--no-regions{false}", options->regions,
+                   "spend bits alike on all of the atlas, not more where more pixels show it");
   command.add_option("--token", options->token,
                      "that a viewer must give too; needed for all but loopback addresses");
   command.add_option("--keys", options->keys, "folder of the certificate and of who was paired");

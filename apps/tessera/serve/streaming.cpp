@@ -9,6 +9,7 @@
 
 #include "apps/tessera/serve/shading.hpp"
 #include "engine/measure/statistics.hpp"
+#include "engine/stream/regions.hpp"
 
 namespace tessera::app {
 
@@ -21,13 +22,6 @@ void say(const std::string& line) {
   std::fflush(stdout);
 }
 
-std::vector<wire::Message> greetingOf(const Scene& scene, wire::StreamSetup setup) {
-  std::vector<wire::Message> greeting;
-  greeting.emplace_back(std::move(setup));
-  for (wire::MaskImage& mask : masksOf(scene)) greeting.emplace_back(std::move(mask));
-  return greeting;
-}
-
 double megabits(std::uint64_t bytes, double seconds) {
   return seconds > 0.0 ? static_cast<double>(bytes) * 8e-6 / seconds : 0.0;
 }
@@ -35,14 +29,14 @@ double megabits(std::uint64_t bytes, double seconds) {
 }  // namespace
 
 Streaming::Streaming(const StreamingOptions& options, Engine& engine, transport::Server& server,
-                     YuvPacker packer, VideoEncoder encoder, wire::StreamSetup setup)
+                     YuvPacker packer, VideoEncoder encoder, std::vector<wire::Message> greeting)
     : options_(options),
       engine_(engine),
       server_(server),
       packer_(std::move(packer)),
       coding_(std::move(encoder)),
       feed_(engine),
-      viewers_(server, feed_.source(), greetingOf(engine.scene(), std::move(setup)), say) {}
+      viewers_(server, feed_.source(), std::move(greeting), say) {}
 
 Result<void> Streaming::run(const std::atomic<bool>& stop) {
   const auto interval = std::chrono::duration_cast<Clock::duration>(
@@ -183,12 +177,15 @@ Result<void> Streaming::frame(double time) {
   if (!packed) return packed;
   std::vector<wire::VisibleElement> elements;
   std::vector<wire::ObjectTransform> objects;
+  std::vector<Region> regions;
   timed(times_.read, [&] {
     elements = feed_.visible(engine_);
     objects = feed_.objects(engine_);
+    // None where the engine does not count pixels.
+    regions = regionsOf(shownBlocks(engine_, elements), atlas.width(), atlas.height());
   });
   // Before the messages, so that both are made at once.
-  coding_.push(std::move(planes->planes), frame_, iFrame);
+  coding_.push(std::move(planes->planes), frame_, iFrame, std::move(regions));
   timed(times_.meta, [&] { tellFrame(time, iFrame, elements, objects); });
   return {};
 }

@@ -30,9 +30,9 @@ struct StreamingOptions {
 class Streaming {
  public:
   /// The engine is of the rect or tess gatherer, updated once, with an atlas of the packer's size; engine and
-  /// server outlive this.
+  /// server outlive this. `greeting`: what a new viewer is told first.
   Streaming(const StreamingOptions& options, Engine& engine, transport::Server& server, YuvPacker packer,
-            VideoEncoder encoder, wire::StreamSetup setup);
+            VideoEncoder encoder, std::vector<wire::Message> greeting);
 
   /// Until all frames are made or `stop` is set. What is coded then is still sent. Fails where the engine
   /// does.

@@ -9,14 +9,6 @@
 
 namespace tessera::app {
 
-namespace {
-
-double millisecondsBetween(view::Clock::time_point from, view::Clock::time_point to) {
-  return std::chrono::duration<double, std::milli>(to - from).count();
-}
-
-}  // namespace
-
 Result<Flight> Flight::of(const ViewOptions& options, glm::ivec2 size) {
   Flight flight;
   flight.size_ = size;
@@ -75,7 +67,7 @@ Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& co
   return viewing;
 }
 
-double Viewing::seconds() const { return millisecondsBetween(started_, view::Clock::now()) * 1e-3; }
+double Viewing::seconds() const { return view::millisecondsBetween(started_, view::Clock::now()) * 1e-3; }
 
 Result<void> Viewing::step(const wire::Camera& camera) {
   session_->pose(camera);
@@ -86,8 +78,8 @@ Result<void> Viewing::step(const wire::Camera& camera) {
     if (auto uploaded = display_->upload(frame); !uploaded) return uploaded;
     const auto uploadedAt = view::Clock::now();
     view::Latency& latency = session_->latency();
-    latency.add(view::Stage::Wait, millisecondsBetween(frame.times.applied, taken));
-    latency.add(view::Stage::Upload, millisecondsBetween(taken, uploadedAt));
+    latency.add(view::Stage::Wait, view::millisecondsBetween(frame.times.applied, taken));
+    latency.add(view::Stage::Upload, view::millisecondsBetween(taken, uploadedAt));
     shownFrame_ = frame.header.frame;
     if (!firstPicture_) firstPicture_ = seconds();
   }
@@ -100,10 +92,10 @@ Result<void> Viewing::step(const wire::Camera& camera) {
   uncovered_ = display_->uncovered().value_or(0);
   const auto now = view::Clock::now();
   if (!hasPicture()) return {};
-  session_->latency().add(view::Stage::Display, millisecondsBetween(before, now));
+  session_->latency().add(view::Stage::Display, view::millisecondsBetween(before, now));
   const auto posed = session_->frame().times.posed;
   if (posed != view::Clock::time_point{})
-    session_->latency().add(view::Stage::Total, millisecondsBetween(posed, now));
+    session_->latency().add(view::Stage::Total, view::millisecondsBetween(posed, now));
   ++framesShown_;
   uncoveredSum_ += uncovered_;
   return {};
@@ -111,7 +103,7 @@ Result<void> Viewing::step(const wire::Camera& camera) {
 
 Result<void> Viewing::shown() {
   const auto now = view::Clock::now();
-  frameMs_ = millisecondsBetween(lastShown_, now);
+  frameMs_ = view::millisecondsBetween(lastShown_, now);
   lastShown_ = now;
   if (!csv_.is_open()) return {};
   const view::Figures& f = figures_;

@@ -21,6 +21,7 @@
 #include "engine/frame/features.hpp"
 #include "engine/frame/forms.hpp"
 #include "engine/frame/graph.hpp"
+#include "engine/frame/image_warp.hpp"
 #include "engine/frame/lights.hpp"
 #include "engine/frame/predict.hpp"
 #include "engine/frame/scene_buffers.hpp"
@@ -151,6 +152,9 @@ class Engine {
 
   /// What display, forward or distort drew last: SRGB8_ALPHA8, alpha 0 where nothing was drawn.
   [[nodiscard]] const gl::Texture& color() const;
+  /// What forward drew last, as ImageWarp takes it; `drawn` is the view that it drew. The next picture may be
+  /// drawn into the same textures.
+  [[nodiscard]] WarpSource warpSource(const View& drawn) const;
   /// Blocking readback of color(), or of the atlas, rows from the top.
   [[nodiscard]] Image readColor() const;
   [[nodiscard]] Image readAtlas() const;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/frame/engine.hpp"
+#include "engine/frame/image_warp.hpp"
 #include "engine/gl/draw_state.hpp"
 #include "engine/gl/state_guard.hpp"
 
@@ -91,7 +92,7 @@ struct Engine::State {
   const gl::Program* distort = nullptr;
   const gl::Program* upsampleRows = nullptr;
   const gl::Program* upsampleColumns = nullptr;
-  const gl::Program* warp = nullptr;
+  std::optional<ImageWarp> warp;
 
   std::optional<VisibleSet> visible;
   std::optional<RectAtlas> atlas;
@@ -100,7 +101,6 @@ struct Engine::State {
   PictureTarget picture;
   PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
   gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
-  gl::VertexArray emptyVertices;
   PictureTarget distorted;   // of distort(), without depth
   bool throughLens = false;  // which of the two color() is
   IdTarget id;

@@ -46,9 +46,14 @@ Result<void> Engine::State::compile() {
     }
   if (has("upsample-rows")) upsampleRows = get({"pass/lanczos.comp"}, {});
   if (has("upsample-columns")) upsampleColumns = get({"pass/lanczos.comp"}, {{"COLUMNS", "1"}});
-  if (has("warp")) warp = get({"pass/warp.vert", "pass/warp.frag"}, {});
   if (has("distort")) distort = get({"pass/distort.comp"}, {});
   if (!error.empty()) return fail("{}", error);
+  if (has("warp")) {
+    constexpr std::array<Warp, 1> kMesh = {Warp::Mesh};
+    auto made = ImageWarp::create(programs, kMesh);
+    if (!made) return tl::unexpected(made.error());
+    warp = std::move(*made);
+  }
   return {};
 }
 

@@ -71,6 +71,9 @@
 #define BIND_VISIBLE_PIXELS 18 // uint[patch instances or triangles]: how many pixels show it
 #define BIND_VISIBLE_SEEN 19   // uint[]: the same, in the order of the visible list
 
+// Shader storage while a picture is warped: the nearest depth in it, as bits
+#define BIND_WARP_NEAREST 9
+
 #define BIND_STORAGE_COUNT 25   // of the above
 
 // Uniform buffers
@@ -101,5 +104,8 @@
 #define LOCATION_LENS 6
 #define LOCATION_CHANNELS 7
 #define LOCATION_TEXTURE_BIAS 8
+#define LOCATION_WARP 9
+#define LOCATION_WARP_EYE 10
+#define LOCATION_WARP_DEPTH 11
 
 #endif

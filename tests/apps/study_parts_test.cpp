@@ -11,6 +11,9 @@
 namespace tessera {
 namespace {
 
+using app::longestUse;
+using app::predictionSteps;
+using app::shownFrame;
 using app::StreamTiming;
 using app::StudyPath;
 using app::StudySettings;

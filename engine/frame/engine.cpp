@@ -120,6 +120,8 @@ glm::vec4 Engine::State::encodedBackground() const {
   return {glsl::encodeSrgb(b.r), glsl::encodeSrgb(b.g), glsl::encodeSrgb(b.b), 0.0f};
 }
 
+glm::vec4 Engine::encodedBackground() const { return s_->encodedBackground(); }
+
 void Engine::State::bindScene() {
   buffers.bind();
   if (lightBuffer) lightBuffer.bindUniform(BIND_LIGHTS);

@@ -156,6 +156,8 @@ class Engine {
   /// What forward drew last, as ImageWarp takes it; `drawn` is the view that it drew. The next picture may be
   /// drawn into the same textures.
   [[nodiscard]] WarpSource warpSource(const View& drawn) const;
+  /// EngineOptions::background as RGBA8 textures hold it; alpha 0.
+  [[nodiscard]] glm::vec4 encodedBackground() const;
   /// Blocking readback of color(), or of the atlas, rows from the top.
   [[nodiscard]] Image readColor() const;
   [[nodiscard]] Image readAtlas() const;

@@ -22,10 +22,10 @@ class XServer {
   XServer()
       : folder_(std::filesystem::path(testing::TempDir()) / "serve_x"),
         made_(std::filesystem::create_directories(folder_)),
-        program_(
-            "Xvfb",
-            {"-displayfd", "1", "-screen", "0", "320x240x24", "-nolisten", "tcp", "-fbdir", folder_.string()},
-            "") {
+        program_("Xvfb",
+                 {"-nocursor", "-displayfd", "1", "-screen", "0", "320x240x24", "-nolisten", "tcp", "-fbdir",
+                  folder_.string()},
+                 "") {
     // It prints its number, once it takes windows.
     EXPECT_TRUE(program_.waitFor("\n", kSeconds)) << program_.said();
     display_ = ":" + program_.after("");

@@ -1,10 +1,9 @@
 #include "apps/tessera/study/atlas_stream.hpp"
 
-#include <memory>
-
 #include "apps/tessera/compare/drawing.hpp"
 #include "apps/tessera/serve/shading.hpp"
 #include "apps/tessera/study/margin.hpp"
+#include "engine/stream/regions.hpp"
 #include "engine/yuv/packer.hpp"
 
 namespace tessera::app {
@@ -16,11 +15,11 @@ struct AtlasStream::Sent {
 };
 
 Result<AtlasStream> AtlasStream::create(const gl::Context& context, Engine& engine, const StudyPath& path,
-                                        const StudySettings& settings) {
+                                        const StudySettings& settings, Masks masks) {
   auto display = view::StreamedDisplay::create(context);
   if (!display) return tl::unexpected(display.error());
   AtlasStream stream(context, engine, path, settings, std::move(*display));
-  stream.masks_ = std::make_shared<const std::vector<wire::MaskImage>>(masksOf(engine.scene()));
+  stream.masks_ = std::move(masks);
   return stream;
 }
 
@@ -99,6 +98,8 @@ Result<StreamFacts> AtlasStream::run(const AtlasChoice& atlas, const StreamRun& 
 
     const auto elements = feed().visible(*engine_);
     const auto objects = feed().objects(*engine_);
+    const std::vector<Region> regions =
+        regionsOf(shownBlocks(*engine_, elements), encoded.width(), encoded.height());
     const View& own = views->front().view;
     sent.header.frame = number;
     sent.header.iFrame = iFrame;
@@ -112,7 +113,7 @@ Result<StreamFacts> AtlasStream::run(const AtlasChoice& atlas, const StreamRun& 
       metaBytes += message.size();
     if (auto applied = mirror.apply(message); !applied) return tl::unexpected(applied.error());
     for (std::size_t i = 0; i < coders->size(); ++i) {
-      auto picture = (*coders)[i].pass(planes->planes.view(), iFrame);
+      auto picture = (*coders)[i].pass(planes->planes.view(), iFrame, regions);
       if (!picture) return tl::unexpected(picture.error());
       if (sent.shots.empty()) continue;
       if (auto shown = show(sent, mirror, i, run, *picture, take); !shown)

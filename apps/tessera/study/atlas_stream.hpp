@@ -3,6 +3,8 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <vector>
 
 #include "apps/tessera/study/coder.hpp"
 #include "apps/tessera/study/shots.hpp"
@@ -13,9 +15,11 @@ namespace tessera::app {
 
 class AtlasStream {
  public:
-  /// Engine, context and path outlive this. Fails where the viewer's display does.
+  using Masks = std::shared_ptr<const std::vector<wire::MaskImage>>;
+  /// Engine, context and path outlive this. `masks` of the scene from before its engine, which lets their
+  /// texels go. Fails where the viewer's display does.
   static Result<AtlasStream> create(const gl::Context& context, Engine& engine, const StudyPath& path,
-                                    const StudySettings& settings);
+                                    const StudySettings& settings, Masks masks);
 
   /// Streams with a new atlas of the choice, and gives `take` every shot at every bitrate, in order of their
   /// times.
@@ -41,7 +45,7 @@ class AtlasStream {
   const StudySettings* settings_;
   view::StreamedDisplay display_;
   std::map<bool, GeometryFeed> feeds_;  // by whether elements are triangles
-  std::shared_ptr<const std::vector<wire::MaskImage>> masks_;
+  Masks masks_;
 };
 
 }  // namespace tessera::app

@@ -22,8 +22,8 @@ Result<Coder> Coder::create(int width, int height, double framesPerSecond, doubl
   return coder;
 }
 
-Result<YuvView> Coder::pass(const YuvView& planes, bool iFrame) {
-  auto coded = encoder_.encode(planes, ++frames_, {.iFrame = iFrame});
+Result<YuvView> Coder::pass(const YuvView& planes, bool iFrame, std::span<const Region> regions) {
+  auto coded = encoder_.encode(planes, ++frames_, {.iFrame = iFrame, .regions = regions});
   if (!coded) return tl::unexpected(coded.error());
   bytes_ += coded->bytes.size();
   Decoded decoded = decoder_.decode(coded->bytes);

@@ -1,6 +1,7 @@
 // Pictures as a viewer gets them: encoded and decoded, with the same options for every method.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "apps/tessera/study/settings.hpp"
@@ -13,8 +14,9 @@ class Coder {
  public:
   static Result<Coder> create(int width, int height, double framesPerSecond, double mbit);
 
-  /// The next frame, there and back. The picture is valid until the next call.
-  Result<YuvView> pass(const YuvView& planes, bool iFrame);
+  /// The next frame, there and back, regions as VideoEncoder::encode takes them. The picture is valid until
+  /// the next call.
+  Result<YuvView> pass(const YuvView& planes, bool iFrame, std::span<const Region> regions = {});
   [[nodiscard]] double mbit() const { return mbit_; }  // asked for
   /// Million bits a second that came of it.
   [[nodiscard]] double madeMbit() const;

@@ -76,6 +76,7 @@ Result<StudyScene> studyScene(gl::Context& context, const std::string& file, con
   camera.fps = settings.displayHz;
   std::unique_ptr<Engine> engine;
   std::optional<StudyPath> path;
+  AtlasStream::Masks masks;
   {
     Progress loading(file);
     const auto step = [&](const std::string& text) { loading.step(text); };
@@ -92,8 +93,11 @@ Result<StudyScene> studyScene(gl::Context& context, const std::string& file, con
     atlas.megapixels = settings.megapixels.front();
     auto setup = engineOptions(atlas);
     if (!setup) return tl::unexpected(setup.error());
-    setup->request = {.rect = true, .displayGeometry = true, .displayDeferred = false, .forward = true};
+    setup->request = {
+        .rect = true, .displayGeometry = true, .displayDeferred = false, .forward = true, .blended = true};
+    setup->visiblePixels = true;  // regions of interest, as serve has them
     setup->progress = step;
+    masks = std::make_shared<const std::vector<wire::MaskImage>>(masksOf(measured->scene));
     auto made = Engine::create(context, std::move(measured->scene), std::move(measured->stage), *setup);
     if (!made) return tl::unexpected(made.error());
     engine = std::move(*made);
@@ -107,7 +111,7 @@ Result<StudyScene> studyScene(gl::Context& context, const std::string& file, con
   scene.samples = path->samples().count;
   scene.metresPerSecond = path->metresPerSecond();
   scene.degreesPerSecond = path->degreesPerSecond();
-  if (auto measured = measureStudy(context, *engine, *path, settings, scene); !measured)
+  if (auto measured = measureStudy(context, *engine, *path, settings, masks, scene); !measured)
     return fail("{}: {}", file, measured.error().message);
   engine.reset();
   if (settings.loopback) {
@@ -224,8 +228,9 @@ Run addStreamStudy(CLI::App& app) {
            ->check(CLI::Range(0.0625, 64.0))
            ->capture_default_str());
   command
-      .add_option("--bias-floor", s.biasFloor,
-                  "lowest level bias that room to spare in an atlas may lead to; -2: up to four texels a pixel")
+      .add_option(
+          "--bias-floor", s.biasFloor,
+          "lowest level bias that room to spare in an atlas may lead to; -2: up to four texels a pixel")
       ->check(CLI::Range(-4.0, 0.0))
       ->capture_default_str();
   std::vector<std::string> names;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "apps/tessera/progress.hpp"
-#include "apps/tessera/study/atlas_stream.hpp"
+#include "apps/tessera/study/warp_stream.hpp"
 
 namespace tessera::app {
 
@@ -39,6 +40,21 @@ struct Plan {
     if (s.videos) add(s.serverHz, s.videoLatencyMs, s.mbit, true);
     for (const double rate : s.serverRates) add(rate, 0.0, s.mbit, false);
     for (const double mbit : s.bitratesMbit) add(s.serverHz, 0.0, mbit, false);
+  }
+
+  /// Entries by what is coded: one server rate, the same bitrates.
+  std::vector<std::vector<Entry>> alike() const {
+    std::vector<std::vector<Entry>> groups;
+    for (const Entry& entry : entries) {
+      const auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<Entry>& one) {
+        return same(one.front().serverHz, entry.serverHz) && one.front().bitratesMbit == entry.bitratesMbit;
+      });
+      if (group == groups.end())
+        groups.push_back({entry});
+      else
+        group->push_back(entry);
+    }
+    return groups;
   }
 };
 
@@ -97,11 +113,12 @@ void complete(StudyPoint& point, const StreamRun& run, const StreamFacts& facts,
 class Study {
  public:
   Study(const gl::Context& context, Engine& engine, const StudyPath& path, const StudySettings& settings,
-        StudyScene& scene)
+        AtlasStream::Masks masks, StudyScene& scene)
       : context_(context),
         engine_(engine),
         path_(path),
         settings_(settings),
+        masks_(std::move(masks)),
         scene_(scene),
         plan_(settings),
         truth_(engine, path) {}
@@ -110,7 +127,7 @@ class Study {
     for (int i = 0; i < path_.samples().count; ++i) truth_.at(path_.samples().at(i));
     if (auto filmed = filmTruth(); !filmed) return filmed;
     if (auto measured = atlases(); !measured) return measured;
-    return {};
+    return warps();
   }
 
  private:
@@ -137,10 +154,10 @@ class Study {
   }
 
   Result<void> atlases() {
-    auto stream = AtlasStream::create(context_, engine_, path_, settings_);
+    auto stream = AtlasStream::create(context_, engine_, path_, settings_, masks_);
     if (!stream) return tl::unexpected(stream.error());
     for (const StudyMethodName& name : studyMethods()) {
-      if (!name.atlas || !wants(name.option)) continue;
+      if (name.warp || !wants(name.option)) continue;
       for (const double megapixels : settings_.megapixels) {
         AtlasChoice atlas;
         atlas.sampling = std::string_view(name.option) == "tess" ? Sampling::Tess : Sampling::Rect;
@@ -183,10 +200,72 @@ class Study {
     return {};
   }
 
+  /// All warps of one server rate and the same bitrates in one go: they bend the same pictures.
+  Result<void> warps() {
+    std::vector<Warp> wanted;
+    std::vector<StudyMethod> methods;
+    for (const StudyMethodName& name : studyMethods()) {
+      if (!name.warp || !wants(name.option)) continue;
+      wanted.push_back(*name.warp);
+      methods.emplace_back().name = name.title;
+    }
+    if (wanted.empty()) return {};
+    auto stream = WarpStream::create(context_, engine_, path_, settings_, std::move(wanted));
+    if (!stream) return tl::unexpected(stream.error());
+    std::vector<Points> points(methods.size());
+    Progress progress(scene_.file + ": warps", plan_.entries.size());
+    for (const std::vector<Plan::Entry>& group : plan_.alike()) {
+      if (auto measured = warpGroup(*stream, group, methods, points); !measured) return measured;
+      for (const Plan::Entry& entry : group)
+        progress.step(fmt::format("{:g} ms, {:g} Hz", entry.latencyMs, entry.serverHz));
+    }
+    for (std::size_t w = 0; w < methods.size(); ++w) points[w].fill(methods[w], settings_);
+    std::move(methods.begin(), methods.end(), std::back_inserter(scene_.methods));
+    return {};
+  }
+
+  Result<void> warpGroup(WarpStream& stream, const std::vector<Plan::Entry>& group,
+                         std::vector<StudyMethod>& methods, std::vector<Points>& points) {
+    std::vector<StreamRun> runs;
+    std::vector<Recorder> recorders;  // of each run, one of each warp
+    for (const Plan::Entry& entry : group) {
+      runs.push_back(runOf(entry));
+      for (std::size_t w = 0; w < methods.size(); ++w) {
+        auto recorder = Recorder::create(truth_, entry.bitratesMbit.size(), entry.filmed, settings_);
+        if (!recorder) return tl::unexpected(recorder.error());
+        recorders.push_back(std::move(*recorder));
+      }
+    }
+    const auto recorderOf = [&](std::size_t warp, std::size_t run) -> Recorder& {
+      return recorders[run * methods.size() + warp];
+    };
+    const auto facts = stream.run(runs, [&](std::size_t warp, std::size_t run, const Taken& taken) {
+      return recorderOf(warp, run).add(taken);
+    });
+    if (!facts) return fail("warps: {}", facts.error().message);
+    for (std::size_t w = 0; w < methods.size(); ++w)
+      for (std::size_t r = 0; r < runs.size(); ++r) {
+        const StreamFacts& said = (*facts)[r];
+        methods[w].width = said.width;
+        methods[w].height = said.height;
+        for (std::size_t i = 0; i < runs[r].bitratesMbit.size(); ++i) {
+          StudyPoint point = recorderOf(w, r).point(i);
+          complete(point, runs[r], said, i);
+          points[w].add(point);
+        }
+        if (!group[r].filmed) continue;
+        auto film = recorderOf(w, r).film();
+        if (!film) return tl::unexpected(film.error());
+        methods[w].video = std::move(*film);
+      }
+    return {};
+  }
+
   const gl::Context& context_;
   Engine& engine_;
   const StudyPath& path_;
   const StudySettings& settings_;
+  AtlasStream::Masks masks_;
   StudyScene& scene_;
   Plan plan_;
   Truth truth_;
@@ -195,17 +274,17 @@ class Study {
 }  // namespace
 
 const std::vector<StudyMethodName>& studyMethods() {
-  static const std::vector<StudyMethodName> methods = {{"rect", "rect", true},
-                                                       {"tess", "tess", true},
-                                                       {"time-warp", "time warp", false},
-                                                       {"mesh-warp", "mesh warp", false},
-                                                       {"iterative-warp", "iterative warp", false}};
+  static const std::vector<StudyMethodName> methods = {{"rect", "rect", {}},
+                                                       {"tess", "tess", {}},
+                                                       {"time-warp", "time warp", Warp::Time},
+                                                       {"mesh-warp", "mesh warp", Warp::Mesh},
+                                                       {"iterative-warp", "iterative warp", Warp::Iterative}};
   return methods;
 }
 
 Result<void> measureStudy(const gl::Context& context, Engine& engine, const StudyPath& path,
-                          const StudySettings& settings, StudyScene& scene) {
-  return Study(context, engine, path, settings, scene).run();
+                          const StudySettings& settings, AtlasStream::Masks masks, StudyScene& scene) {
+  return Study(context, engine, path, settings, std::move(masks), scene).run();
 }
 
 }  // namespace tessera::app

@@ -66,11 +66,11 @@ Result<std::vector<StreamFacts>> WarpStream::run(const std::vector<StreamRun>& r
 Result<void> WarpStream::show(const WarpSource& source, std::int64_t frame, const StreamRun& run,
                               std::size_t number, std::size_t bitrate, const TakeWarp& take) {
   const double posed = static_cast<double>(frame) / run.serverHz;
-  const glm::vec4 background(0.0f);
   for (const Shot& shot : run.shots) {
     if (shownFrame(shot.time, run.timing()) != frame) continue;
     for (std::size_t i = 0; i < wanted_.size(); ++i) {
-      if (auto drawn = warp_.draw(wanted_[i], source, path_->at(shot.time).view, target_.framebuffer, background);
+      if (auto drawn = warp_.draw(wanted_[i], source, path_->at(shot.time).view, target_.framebuffer,
+                                  engine_->encodedBackground());
           !drawn)
         return drawn;
       Taken taken{bitrate, shot, {}, kNotMeasured, 1e3 * (shot.time - posed)};
@@ -82,8 +82,8 @@ Result<void> WarpStream::show(const WarpSource& source, std::int64_t frame, cons
   return {};
 }
 
-Result<StreamFacts> WarpStream::stream(const std::vector<StreamRun>& runs, std::size_t first, std::size_t count,
-                                       const TakeWarp& take) {
+Result<StreamFacts> WarpStream::stream(const std::vector<StreamRun>& runs, std::size_t first,
+                                       std::size_t count, const TakeWarp& take) {
   const StreamRun& lead = runs[first];
   const auto size = sourceView(0.0, lead.latency);
   if (!size) return tl::unexpected(size.error());

@@ -29,8 +29,8 @@ struct ViewOptions {
   std::optional<std::string> lensText;  // as addLens takes it
   std::optional<Lens> lens;             // `lensText`, parsed
   bool overlay = true;                  // the figures, in a window
-  std::vector<double> eye, target;  // three numbers each; without them the server's start camera
-  std::optional<double> fovY;       // degrees
+  std::vector<double> eye, target;      // three numbers each; without them the server's start camera
+  std::optional<double> fovY;           // degrees
 };
 
 inline constexpr double kEyeDistance = 0.064;  // metres

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "apps/tessera/study/margin.hpp"
 #include "engine/gl/readback.hpp"
@@ -44,12 +45,32 @@ Result<View> WarpStream::sourceView(double time, double latency) const {
     for (const double at : {time - 1.0 / settings_->displayHz, time}) track.add({at, path_->at(at).view});
     view = *track.at(time + latency);
   }
-  auto wide = widened(view, marginOf(view, settings_->widening));
-  if (!wide) return wide;
-  // Whole squares of chroma: pixels stay where they are but for half of one.
-  wide->width += wide->width % 2;
-  wide->height += wide->height % 2;
-  return wide;
+  return widened(view, marginOf(view, settings_->widening));
+}
+
+Result<std::vector<View>> WarpStream::sourceViews(std::int64_t count, double serverHz, double latency) const {
+  std::vector<View> views;
+  int width = 0;
+  int height = 0;
+  for (std::int64_t k = 0; k < count; ++k) {
+    auto view = sourceView(static_cast<double>(k) / serverHz, latency);
+    if (!view) return tl::unexpected(view.error());
+    width = std::max(width, view->width);
+    height = std::max(height, view->height);
+    views.push_back(*view);
+  }
+  // Whole squares of chroma.
+  width += width % 2;
+  height += height % 2;
+  // A camera that zooms asks for a few pixels more here and there, and a video has one size. A pixel stays as
+  // large as it is in the middle of the viewer's picture.
+  for (View& view : views) {
+    const double pixel = 2.0 * std::tan(0.5 * view.fovY) / view.height;  // at distance 1
+    view.width = width;
+    view.height = height;
+    view.fovY = 2.0 * std::atan(0.5 * pixel * height);
+  }
+  return views;
 }
 
 Result<std::vector<StreamFacts>> WarpStream::run(const std::vector<StreamRun>& runs, const TakeWarp& take) {
@@ -85,23 +106,21 @@ Result<void> WarpStream::show(const WarpSource& source, std::int64_t frame, cons
 Result<StreamFacts> WarpStream::stream(const std::vector<StreamRun>& runs, std::size_t first,
                                        std::size_t count, const TakeWarp& take) {
   const StreamRun& lead = runs[first];
-  const auto size = sourceView(0.0, lead.latency);
-  if (!size) return tl::unexpected(size.error());
-  auto packer = YuvPacker::create(*context_, size->width, size->height, Chroma::Yuv420);
-  if (!packer) return tl::unexpected(packer.error());
-  auto coders = codersFor(size->width, size->height, lead.serverHz, lead.bitratesMbit);
-  if (!coders) return tl::unexpected(coders.error());
   std::int64_t last = 0;
   for (std::size_t r = first; r < first + count; ++r) last = std::max(last, runs[r].lastFrame());
+  const auto views = sourceViews(last + 1, lead.serverHz, lead.latency);
+  if (!views) return tl::unexpected(views.error());
+  const View& size = views->front();
+  auto packer = YuvPacker::create(*context_, size.width, size.height, Chroma::Yuv420);
+  if (!packer) return tl::unexpected(packer.error());
+  auto coders = codersFor(size.width, size.height, lead.serverHz, lead.bitratesMbit);
+  if (!coders) return tl::unexpected(coders.error());
   for (std::int64_t k = 0; k <= last; ++k) {
     const double time = static_cast<double>(k) / lead.serverHz;
-    auto view = sourceView(time, lead.latency);
-    if (!view) return tl::unexpected(view.error());
-    if (view->width != size->width || view->height != size->height)
-      return fail("frame {}: the angle of view changes along the path: a video has one size", k);
+    const View& view = (*views)[static_cast<std::size_t>(k)];
     engine_->update(path_->sceneTime(time));
-    engine_->forward(*view);
-    WarpSource source = engine_->warpSource(*view);
+    engine_->forward(view);
+    WarpSource source = engine_->warpSource(view);
     if (auto packed = packer->pack(*source.encoded, static_cast<std::uint32_t>(k + 1)); !packed)
       return tl::unexpected(packed.error());
     const auto planes = packer->read();
@@ -116,8 +135,8 @@ Result<StreamFacts> WarpStream::stream(const std::vector<StreamRun>& runs, std::
     }
   }
   StreamFacts facts;
-  facts.width = size->width;
-  facts.height = size->height;
+  facts.width = size.width;
+  facts.height = size.height;
   for (const Coder& coder : *coders) facts.videoMbit.push_back(coder.madeMbit());
   return facts;
 }

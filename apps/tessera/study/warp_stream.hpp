@@ -33,6 +33,9 @@ class WarpStream {
   WarpStream(const gl::Context& context, Engine& engine, const StudyPath& path, const StudySettings& settings,
              YuvUnpacker unpacker);
   [[nodiscard]] Result<View> sourceView(double time, double latency) const;
+  /// Of `count` frames, all of one size.
+  [[nodiscard]] Result<std::vector<View>> sourceViews(std::int64_t count, double serverHz,
+                                                      double latency) const;
   Result<StreamFacts> stream(const std::vector<StreamRun>& runs, std::size_t first, std::size_t count,
                              const TakeWarp& take);
   Result<void> show(const WarpSource& source, std::int64_t frame, const StreamRun& run, std::size_t number,

@@ -231,8 +231,11 @@ std::string toHtml(const AccuracyReport& report) {
   const std::string context = contextList(report.context);
   const std::string settings = escapeHtml(report.settings);
   const std::string data = scriptData({{"stops", stopsData()}, {"scenes", std::move(scenes)}});
-  return fillPage("accuracy.html",
-                  {{"context", context}, {"settings", settings}, {"scenes", sections}, {"data", data}});
+  return fillPage("accuracy.html", {{"title", "what accuracy costs in time"},
+                                    {"context", context},
+                                    {"settings", settings},
+                                    {"scenes", sections},
+                                    {"data", data}});
 }
 
 }  // namespace tessera

@@ -158,9 +158,12 @@ std::string toHtml(const BenchReport& report) {
   const std::string settings = escapeHtml(report.settings);
   const std::string speed = speedTable(report);
   const std::string data = scriptData({{"scenes", std::move(scenes)}});
-  return fillPage(
-      "bench.html",
-      {{"context", context}, {"settings", settings}, {"speed", speed}, {"scenes", sections}, {"data", data}});
+  return fillPage("bench.html", {{"title", "memory of the shading atlas under pressure"},
+                                 {"context", context},
+                                 {"settings", settings},
+                                 {"speed", speed},
+                                 {"scenes", sections},
+                                 {"data", data}});
 }
 
 }  // namespace tessera

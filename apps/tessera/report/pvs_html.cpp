@@ -79,7 +79,10 @@ std::string toHtml(const PvsReport& report) {
   }
   const std::string context = contextList(report.context);
   const std::string data = scriptData({{"scenes", std::move(scenes)}});
-  return fillPage("pvs.html", {{"context", context}, {"scenes", sections}, {"data", data}});
+  return fillPage("pvs.html", {{"title", "potentially visible sets of predicted views"},
+                               {"context", context},
+                               {"scenes", sections},
+                               {"data", data}});
 }
 
 }  // namespace tessera

@@ -115,9 +115,12 @@ std::string toHtml(const Report& report) {
   const std::string context = contextList(report.context);
   const std::string summary = summaryTable(report);
   const std::string data = pageData(report);
-  return fillPage(
-      "report.html",
-      {{"context", context}, {"summary", summary}, {"figures", figures}, {"scenes", scenes}, {"data", data}});
+  return fillPage("report.html", {{"title", "shading atlas compared with forward rendering"},
+                                  {"context", context},
+                                  {"summary", summary},
+                                  {"figures", figures},
+                                  {"scenes", scenes},
+                                  {"data", data}});
 }
 
 }  // namespace tessera

@@ -50,6 +50,8 @@ std::string fillPage(std::string_view page,
     const std::string name(rest.substr(open + 2, close - open - 2));
     if (name == "chart")
       out += find(embeddedChart(), "chart.min.js")->text;
+    else if (name.ends_with(".html"))
+      out += fillPage(name, values);
     else if (const EmbeddedText* file = find(embeddedReportPage(), name); file != nullptr)
       out += file->text;
     else

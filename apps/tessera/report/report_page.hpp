@@ -14,8 +14,8 @@
 namespace tessera {
 
 /// The template `page`, one of the files under page/, with each {{name}} replaced: {{chart}} by the chart
-/// library, {{x.css}} and {{x.js}} by the file of that name, and the others by `values`, which must have
-/// them.
+/// library, {{x.css}} and {{x.js}} by the file of that name, {{x.html}} by that template filled in, and the
+/// others by `values`, which must have them: of head.html `title` and `context`, of foot.html `data`.
 std::string fillPage(std::string_view page,
                      const std::map<std::string, std::string_view, std::less<>>& values);
 /// JSON for the inside of a script element.

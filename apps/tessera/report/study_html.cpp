@@ -180,8 +180,11 @@ std::string toHtml(const StudyReport& report) {
   const std::string context = contextList(report.context);
   const std::string data =
       scriptData({{"serverHz", report.serverHz}, {"mbit", report.mbit}, {"scenes", std::move(scenes)}});
-  return fillPage("study.html",
-                  {{"context", context}, {"settings", settings}, {"scenes", sections}, {"data", data}});
+  return fillPage("study.html", {{"title", "streamed atlases against warped pictures"},
+                                 {"context", context},
+                                 {"settings", settings},
+                                 {"scenes", sections},
+                                 {"data", data}});
 }
 
 }  // namespace tessera

@@ -148,21 +148,21 @@ void addPrediction(CLI::App& command, PredictionChoice& choice) {
               "shade what will be visible, too: none (the present view with its margin), linear (from "
               "the last two poses), reference (the path as it will be)")
           ->check(CLI::IsMember(predictions()));
-  command.add_option("--latency-ms", choice.latencyMs, "how far ahead is predicted")
-      ->check(CLI::Range(0.0, 10000.0))
-      ->needs(prediction)
-      ->capture_default_str();
-  command
-      .add_option("--steps", choice.steps, "predicted views beside the present one, evenly over the latency")
-      ->check(CLI::Range(1, 64))
-      ->needs(prediction)
-      ->capture_default_str();
-  command
-      .add_option("--margin-deg", choice.marginDegrees,
-                  "degrees that these views see further to each side, 0 to 45")
-      ->check(CLI::Range(0.0, 45.0))
-      ->needs(prediction)
-      ->capture_default_str();
+  // A command that predicts by itself takes these alone.
+  const auto further = [&](CLI::Option* option) {
+    if (choice.mode.empty()) option->needs(prediction);
+    option->capture_default_str();
+  };
+  further(command.add_option("--latency-ms", choice.latencyMs, "how far ahead is predicted")
+              ->check(CLI::Range(0.0, 10000.0)));
+  further(command
+              .add_option("--steps", choice.steps,
+                          "predicted views beside the present one, evenly over the latency")
+              ->check(CLI::Range(1, 64)));
+  further(command
+              .add_option("--margin-deg", choice.marginDegrees,
+                          "degrees that these views see further to each side, 0 to 45")
+              ->check(CLI::Range(0.0, 45.0)));
 }
 
 Result<std::optional<PvsOptions>> pvsOptionsOf(const PredictionChoice& choice) {

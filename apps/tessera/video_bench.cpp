@@ -224,7 +224,7 @@ Result<void> bench(const VideoBenchOptions& options) {
   loading.reset();
 
   const gl::Texture& atlas = engine.gatherer()->atlas().encoded;
-  if (!atlas) return fail("--format {}: video takes display-encoded values", options.atlas.format);
+  if (!atlas) return fail("--atlas-format {}: video takes display-encoded values", options.atlas.format);
   auto unpacker = YuvUnpacker::create(**context);
   if (!unpacker) return tl::unexpected(unpacker.error());
   auto codings = makeCodings(options, atlas);

@@ -13,7 +13,8 @@ void Pacer::push(std::vector<Datagram> frame, Clock::time_point now) {
     end_ = now;
   }
   const Clock::time_point begin = std::max(now, end_);
-  const auto length = std::chrono::duration_cast<Clock::duration>(interval_ * spread_);
+  const auto length =
+      std::min(std::chrono::duration_cast<Clock::duration>(interval_ * spread_), kLongestSpread);
   const auto count = static_cast<Clock::rep>(frame.size());
   for (Clock::rep i = 0; i < count; ++i)
     queue_.push_back({begin + length * i / count, std::move(frame[static_cast<std::size_t>(i)])});

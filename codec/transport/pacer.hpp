@@ -14,11 +14,14 @@ using Clock = std::chrono::steady_clock;
 using Datagram = std::vector<std::uint8_t>;
 
 /// A queue of packets with the time at which each is due. A frame's packets are due at even steps over
-/// `spread` of the interval, from the moment the frame came or the one before it ends, whichever is later.
-/// Where frames come faster than that, what waits longer than two intervals is due at once, so that the queue
-/// never holds back more than that.
+/// `spread` of the interval, or kLongestSpread where that is shorter, from the moment the frame came or the
+/// one before it ends, whichever is later. Where frames come faster than that, what waits longer than two
+/// intervals is due at once, so that the queue never holds back more than that.
 class Pacer {
  public:
+  /// A receiver that waits for a frame's next packet must not give it up.
+  static constexpr Clock::duration kLongestSpread = std::chrono::milliseconds(50);
+
   /// interval: of frames, > 0. spread: (0, 1]; the rest of the interval is slack for a late timer.
   explicit Pacer(Clock::duration interval, double spread = 0.8);
 

@@ -77,6 +77,11 @@ struct Camera {
   std::uint32_t width = 1280;                  // pixels
   std::uint32_t height = 720;
 };
+/// What a server draws for a viewer. Slopes are even to both sides and fit square pixels.
+inline constexpr std::uint32_t kMostViewSide = 8192;
+inline constexpr std::uint32_t kMostViewPixels = 1u << 24;
+inline constexpr double kLeastSlope = 1e-3;
+inline constexpr double kMostSlope = 11.0;  // 85 degrees off the axis
 
 /// Entries of an array that changed: [first, last).
 struct DirtyRange {

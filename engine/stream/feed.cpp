@@ -97,18 +97,19 @@ Result<View> viewOf(const wire::Camera& camera) {
   const double up = camera.slopes[3];
   const double across = camera.slopes[1];
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); };
-  if (camera.width == 0 || camera.height == 0 || camera.width > kMostViewSide ||
-      camera.height > kMostViewSide)
-    return fail("a picture of {} x {}: sides are 1 to {}", camera.width, camera.height, kMostViewSide);
+  if (camera.width == 0 || camera.height == 0 || camera.width > wire::kMostViewSide ||
+      camera.height > wire::kMostViewSide)
+    return fail("a picture of {} x {}: sides are 1 to {}", camera.width, camera.height, wire::kMostViewSide);
   if (!(up > 0.0) || !near(up, -camera.slopes[2]) || !near(across, -camera.slopes[0]) ||
       !near(across * camera.height, up * camera.width))
     return fail("slopes {} {} {} {} are not those of square pixels around the axis", camera.slopes[0],
                 camera.slopes[1], camera.slopes[2], camera.slopes[3]);
-  if (camera.width * camera.height > kMostViewPixels)
-    return fail("a picture of {} x {}: more than {} pixels", camera.width, camera.height, kMostViewPixels);
+  if (camera.width * camera.height > wire::kMostViewPixels)
+    return fail("a picture of {} x {}: more than {} pixels", camera.width, camera.height,
+                wire::kMostViewPixels);
   for (const double slope : {up, across})
-    if (!(slope >= kLeastSlope && slope <= kMostSlope))
-      return fail("a slope of {} is outside [{}, {}]", slope, kLeastSlope, kMostSlope);
+    if (!(slope >= wire::kLeastSlope && slope <= wire::kMostSlope))
+      return fail("a slope of {} is outside [{}, {}]", slope, wire::kLeastSlope, wire::kMostSlope);
   if (!(camera.zNear >= kLeastNear && camera.zNear <= kMostNear))
     return fail("a near plane at {} is outside [{}, {}]", camera.zNear, kLeastNear, kMostNear);
   for (int axis = 0; axis < 3; ++axis)

@@ -14,13 +14,10 @@ namespace tessera {
 /// Slopes of a symmetric view, and its turn.
 wire::Camera cameraOf(const View& view);
 /// The other way round. Fails for a picture that is not as the engine draws them: slopes that are not even to
-/// both sides, do not fit square pixels or are not in [kLeastSlope, kMostSlope], and a size, near plane or
-/// place beyond the bounds below, which keep what a viewer asks for within what memory and floats hold.
+/// both sides, do not fit square pixels or are not in [wire::kLeastSlope, wire::kMostSlope], and a size, near
+/// plane or place beyond wire's bounds and those below, which keep what a viewer asks for within what memory
+/// and floats hold.
 Result<View> viewOf(const wire::Camera& camera);
-inline constexpr std::uint32_t kMostViewSide = 8192;
-inline constexpr std::uint32_t kMostViewPixels = 1u << 24;
-inline constexpr double kLeastSlope = 1e-3;
-inline constexpr double kMostSlope = 11.0;  // 85 degrees off the axis
 inline constexpr double kLeastNear = 1e-6;  // metres
 inline constexpr double kMostNear = 1e6;
 inline constexpr double kFarthestEye = 1e9;  // metres from the origin, along each axis

@@ -68,6 +68,30 @@ wire::Camera resized(const wire::Camera& camera, std::uint32_t width, std::uint3
   return other;
 }
 
+wire::Camera askable(const wire::Camera& camera) {
+  const double pixel = 2.0 * camera.slopes[3] / camera.height;  // at distance 1
+  const auto reached = [&](std::uint32_t side) {
+    return std::clamp(0.5 * pixel * side, 1.001 * wire::kLeastSlope, 0.999 * wire::kMostSlope);
+  };
+  const double across = reached(camera.width);
+  const double up = reached(camera.height);
+  const double width = 2.0 * across / pixel;
+  const double height = 2.0 * up / pixel;
+  const double fewer = std::min({1.0, wire::kMostViewSide / std::max(width, height),
+                                 std::sqrt(double(wire::kMostViewPixels) / (width * height))});
+  wire::Camera asked = camera;
+  const auto side = [&](double pixels) {
+    return std::clamp(static_cast<std::uint32_t>(fewer * pixels), 1u, wire::kMostViewSide);
+  };
+  if (fewer == 1.0 && across == camera.slopes[1] && up == camera.slopes[3]) return asked;
+  asked.width = side(width + 1e-6);
+  asked.height = side(height + 1e-6);
+  // Whole pixels again: as large as they were, or as they became.
+  const double half = 0.5 * pixel / fewer;
+  asked.slopes = {-half * asked.width, half * asked.width, -half * asked.height, half * asked.height};
+  return asked;
+}
+
 wire::Camera eyeOf(const wire::Camera& camera, double eyeDistance, int side) {
   wire::Camera eye = camera;
   eye.eye += axesOf(camera)[0] * (0.5 * eyeDistance * side);

@@ -21,6 +21,11 @@ glm::dmat4 viewProjection(const wire::Camera& camera);
 /// The same camera for a picture of another size: the height's angle stays, the width's follows.
 wire::Camera resized(const wire::Camera& camera, std::uint32_t width, std::uint32_t height);
 
+/// What a server may be asked for in its place: sides, pixels and slopes within wire's bounds, cut at the
+/// edges where the picture is too wide, and with fewer pixels where it has too many. Slopes are of square
+/// pixels.
+wire::Camera askable(const wire::Camera& camera);
+
 /// Two parallel eyes, each half of `eyeDistance` from the camera along its right. `side`: -1 left, 1 right.
 wire::Camera eyeOf(const wire::Camera& camera, double eyeDistance, int side);
 

@@ -1,5 +1,6 @@
 #include "engine/view/session.hpp"
 
+#include "engine/view/camera.hpp"
 #include "engine/view/session_state.hpp"
 
 namespace tessera::view {
@@ -47,7 +48,7 @@ Result<std::unique_ptr<Session>> Session::start(SessionOptions options) {
 
 void Session::pose(const wire::Camera& camera) {
   const std::lock_guard lock(state_->mutex);
-  state_->nextPose = camera;
+  state_->nextPose = askable(camera);
 }
 
 bool Session::take() { return state_->frames.take(); }
@@ -94,6 +95,9 @@ Figures Session::figures() const {
     figures.condition = Condition::Stalled;
     figures.why = fmt::format("no frame from the server for {:.1f} s",
                               std::chrono::duration<double>(now - s.lastPicture).count());
+  } else if (s.lastShown < s.connectedAt || now - s.lastShown > s.options.stalled) {
+    figures.condition = Condition::Stalled;
+    figures.why = "no geometry from the server for the atlas that came";
   } else {
     figures.condition = Condition::Live;
     figures.why.clear();

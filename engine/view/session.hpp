@@ -19,6 +19,7 @@ struct SessionOptions {
   double posesPerSecond = 120.0;                   // at most, (0, 1000]
   std::chrono::milliseconds askAgain{250};         // between two requests for an I-frame
   std::chrono::milliseconds stalled{1000};         // without a frame: the condition says so
+  std::chrono::milliseconds longestBacklog{500};   // a coded frame that waited longer is not decoded
   std::chrono::milliseconds longestBackoff{5000};  // after streams that were broken
 };
 

@@ -57,6 +57,9 @@ class Session::State {
   // The decoder's and the one that applies: session_work.cpp.
   void decode();
   void decodeOne(VideoDecoder& decoder, const VideoWork& work);
+  void skip(const VideoWork& work, Clock::duration behind);
+  /// Not more often than the options say; under the mutex.
+  void askIFrame(std::uint32_t frame, Clock::time_point now);
   void apply();
   Result<void> applyOne(std::optional<FramePairs>& pairs, ApplyWork& work);
   /// The present connection's stream is of no use any more; from any thread.
@@ -107,7 +110,8 @@ class Session::State {
   NoPicture noPicture = NoPicture::NoVideoYet;
   std::string noPictureDetail;
   Clock::time_point connectedAt{};
-  Clock::time_point lastPicture{};
+  Clock::time_point lastPicture{};  // decoded
+  Clock::time_point lastShown{};    // whole, for the display
   Clock::time_point lastAsk{};
 
   std::atomic<bool> stopping = false;

@@ -1,10 +1,16 @@
 // The thread that decodes video, and the one that applies geometry and pairs both.
+#include <algorithm>
+
+#include <fmt/core.h>
+
 #include "engine/view/session_state.hpp"
 
 namespace tessera::view {
 
 void Session::State::decode() {
-  auto decoder = VideoDecoder::create({});
+  // Slices side by side: no frame waits for the next.
+  auto decoder =
+      VideoDecoder::create({.threads = std::clamp(int(std::thread::hardware_concurrency()) / 2, 1, 8)});
   Generation of = 0;
   while (!stopping) {
     for (const VideoWork& work : videoWork.take()) {
@@ -12,9 +18,14 @@ void Session::State::decode() {
         breakStream(work.generation, decoder.error().message);
         break;
       }
+      if (work.generation < of) continue;
       if (work.generation != of) decoder->reset();
       of = work.generation;
-      decodeOne(*decoder, work);
+      // Decoding all that waits would show an ever older atlas; an I-frame begins anew.
+      if (const auto behind = Clock::now() - work.came; behind > options.longestBacklog)
+        skip(work, behind);
+      else
+        decodeOne(*decoder, work);
     }
   }
 }
@@ -40,11 +51,23 @@ void Session::State::decodeOne(VideoDecoder& decoder, const VideoWork& work) {
     noPicture = decoded.reason;
     noPictureDetail = decoded.detail;
   }
-  if (decoded.wantsIFrame && now - lastAsk >= options.askAgain) {
-    lastAsk = now;
-    ++figures.askedIFrames;
-    outbox.emplace_back(wire::AskIFrame{static_cast<std::uint32_t>(decoded.frame)});
-  }
+  if (decoded.wantsIFrame) askIFrame(static_cast<std::uint32_t>(decoded.frame), now);
+}
+
+void Session::State::askIFrame(std::uint32_t frame, Clock::time_point now) {
+  if (now - lastAsk < options.askAgain) return;
+  lastAsk = now;
+  ++figures.askedIFrames;
+  outbox.emplace_back(wire::AskIFrame{frame});
+}
+
+void Session::State::skip(const VideoWork& work, Clock::duration behind) {
+  const std::lock_guard lock(mutex);
+  if (work.generation != generation) return;
+  noPicture = NoPicture::FrameLost;
+  noPictureDetail =
+      fmt::format("decoding was {:.1f} s behind", std::chrono::duration<double>(behind).count());
+  askIFrame(0, Clock::now());
 }
 
 void Session::State::apply() {
@@ -52,6 +75,8 @@ void Session::State::apply() {
   Generation of = 0;
   while (!stopping) {
     for (ApplyWork& work : applyWork.take()) {
+      // The decoder may still have had one of an earlier connection.
+      if (work.generation < of) continue;
       if (work.generation != of) pairs.reset();
       of = work.generation;
       if (auto done = applyOne(pairs, work); !done) {
@@ -74,7 +99,9 @@ void Session::State::apply() {
     const wire::Acknowledge acknowledge{frame.header.frame, frame.header.frame, secondsOf(t.applied)};
     frames.publish();
     const std::lock_guard lock(mutex);
-    if (of == generation) outbox.emplace_back(acknowledge);
+    if (of != generation) continue;
+    lastShown = Clock::now();
+    outbox.emplace_back(acknowledge);
   }
 }
 

@@ -16,11 +16,11 @@ class StudyCli : public Cli {};
 double mssimOf(const Json& method, const char* figure, std::size_t i) { return method[figure][i]["mssim"]; }
 
 TEST_F(StudyCli, MeasuresEveryMethod) {
-  const Ran ran =
-      run(fmt::format("stream-study '{}' --context osmesa --size 192x108 --samples 4 --seconds 0.2 --start 5.4 "
-                      "--latencies-ms 0,100 --server-rates 30 --bitrates-mbit 1,10 --mbit 10 --atlas-mpix 1 "
-                      "--no-loopback -o study",
-                      atrium()));
+  const Ran ran = run(
+      fmt::format("stream-study '{}' --context osmesa --size 192x108 --samples 4 --seconds 0.2 --start 5.4 "
+                  "--latencies-ms 0,100 --server-rates 30 --bitrates-mbit 1,10 --mbit 10 --atlas-mpix 1 "
+                  "--no-loopback -o study",
+                  atrium()));
   ASSERT_EQ(ran.code, 0) << ran.error;
   const Json json = Json::parse(slurp(folder_ / "study" / "study.json"), nullptr, false);
   ASSERT_TRUE(json.is_object());

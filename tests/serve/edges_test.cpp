@@ -78,6 +78,8 @@ TEST(ServeEdges, BadArgumentsAreNamed) {
   expectRefused({"--listen", "nowhere"}, "--listen");
   expectRefused({"--fps", "0"}, "--fps");
   expectRefused({"--bitrate", "much"}, "--bitrate");
+  expectRefused({"--quality", "52"}, "--quality");
+  expectRefused({"--quality", "20", "--bitrate", "4M"}, "--bitrate excludes --quality");
   expectRefused({"--prediction", "reference"}, "nobody knows");
   expectRefused({"--token", "correct horse battery"}, "--keys");
 }
@@ -95,7 +97,7 @@ TEST(ServeEdges, WhatNeedsNoSceneIsRefusedFirst) {
   expect({"--listen", "0.0.0.0:0"}, "listening there needs a pairing token");
   expect({"--listen", "0.0.0.0:0", "--token", "short", "--keys", testing::TempDir() + "serve_keys"}, "token");
   expect({"--listen", "127.0.0.1:0", "--encoder", "no_such_encoder"}, "no_such_encoder");
-  expect({"--listen", "127.0.0.1:0", "--format", "rgb10a2"}, "rgb10a2");
+  expect({"--listen", "127.0.0.1:0", "--atlas-format", "rgb10a2"}, "--atlas-format rgb10a2: ");
   // Else it is the scene that is missing.
   test::Program program({"serve", "no_such_scene.glb", "--listen", "127.0.0.1:0"});
   EXPECT_TRUE(program.waitFor("no_such_scene", kSeconds)) << program.said();

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -140,8 +141,9 @@ bool stepUntil(std::initializer_list<Watcher*> watchers, const Done& done) {
 }
 
 std::vector<std::string> arguments(const std::string& listen, std::vector<std::string> more = {}) {
-  std::vector<std::string> all = {"serve",  kScene,  "--listen", listen,      "--context",
-                                  "osmesa", "--fps", "10",       "--bitrate", "4M"};
+  std::vector<std::string> all = {"serve", kScene, "--listen", listen, "--context", "osmesa", "--fps", "10"};
+  if (std::find(more.begin(), more.end(), "--quality") == more.end())
+    all.insert(all.end(), {"--bitrate", "4M"});
   if (std::find(more.begin(), more.end(), "--atlas-mpix") == more.end())
     more.insert(more.end(), {"--atlas-mpix", "0.5"});
   all.insert(all.end(), more.begin(), more.end());
@@ -257,6 +259,22 @@ TEST(Serve, AServerThatReturnsIsFoundAgain) {
     return watcher.connections >= 2 && watcher.geometryFrames.size() > 2 &&
            watcher.decodedFrames.size() >= before;
   })) << server->program.said();
+}
+
+TEST(Serve, QualityIsWhatItIsAskedFor) {
+  std::map<std::string, double> bytes;
+  for (const std::string quality : {"12", "45"}) {
+    const std::string file = testing::TempDir() + "serve_quality.json";
+    std::remove(file.c_str());
+    Served server("127.0.0.1:0",
+                  {"--frames", "3", "--stats", file, "--quality", quality, "--latency-ms", "0"});
+    Watcher watcher(server.address);
+    ASSERT_TRUE(stepUntil({&watcher}, [&] { return std::ifstream(file).good(); })) << server.program.said();
+    ASSERT_EQ(server.program.end(0), 0) << server.program.said();
+    bytes[quality] = nlohmann::json::parse(std::ifstream(file)).at("video_bytes");
+  }
+  EXPECT_GT(bytes["12"], 4.0 * bytes["45"]);
+  EXPECT_GT(bytes["45"], 0.0);
 }
 
 TEST(Serve, StatisticsNameTheStages) {

@@ -32,6 +32,14 @@ TEST(Pacer, SpreadsAFrameEvenly) {
   for (std::size_t i = 0; i < times.size(); ++i) EXPECT_NEAR(times[i], 0.24 * static_cast<double>(i), 1e-3);
 }
 
+// A receiver gives a frame up that stays without its next packet for 100 ms.
+TEST(Pacer, SlowFramesAreSentAsOnes) {
+  Pacer pacer(10s, 0.8);
+  const auto start = Clock::time_point{} + 1h;
+  pacer.push(frameOf(2), start);
+  EXPECT_LE(departures(pacer, start).back(), 50.0);
+}
+
 TEST(Pacer, AFrameWaitsForTheOneBefore) {
   Pacer pacer(30ms, 0.8);
   const auto start = Clock::time_point{} + 1h;

@@ -34,6 +34,36 @@ TEST(ViewerCamera, AnotherSizeKeepsTheHeightsAngle) {
   EXPECT_NEAR(camera.slopes.y, 0.5, 1e-12);
 }
 
+TEST(ViewerCamera, AsksForNoMoreThanServersDraw) {
+  const auto of = [](double fovY, std::uint32_t width, std::uint32_t height) {
+    return view::lookAt({0, 0, 0}, {0, 0, -1}, fovY, width, height, 0.1);
+  };
+  const wire::Camera usual = of(60, 1280, 720);
+  EXPECT_EQ(view::askable(usual).slopes, usual.slopes);
+  EXPECT_EQ(view::askable(usual).width, 1280u);
+  for (const wire::Camera& camera :
+       {of(60, 7680, 4320), of(60, 1280, 50), of(150, 3000, 1000), of(60, 16384, 100), of(1, 16, 9000),
+        of(178, 500, 500), of(1, 1, 4000)}) {
+    SCOPED_TRACE(testing::Message() << camera.width << " x " << camera.height << ", " << camera.slopes[3]);
+    const wire::Camera asked = view::askable(camera);
+    EXPECT_LE(std::max(asked.width, asked.height), wire::kMostViewSide);
+    EXPECT_LE(asked.width * asked.height, wire::kMostViewPixels);
+    EXPECT_GE(std::min(asked.slopes[1], asked.slopes[3]), wire::kLeastSlope);
+    EXPECT_LE(std::max(asked.slopes[1], asked.slopes[3]), wire::kMostSlope);
+    EXPECT_NEAR(asked.slopes[1] * asked.height, asked.slopes[3] * asked.width,
+                1e-9 * asked.slopes[3] * asked.width);
+    EXPECT_EQ(asked.slopes[0], -asked.slopes[1]);
+    EXPECT_EQ(asked.slopes[2], -asked.slopes[3]);
+  }
+  // Too many pixels: the same picture, coarser. Too wide: as fine, less of it.
+  const wire::Camera coarse = view::askable(of(60, 7680, 4320));
+  EXPECT_NEAR(coarse.slopes[3], std::tan(glm::radians(30.0)), 1e-3);
+  EXPECT_GT(coarse.width * coarse.height, 16'700'000u);
+  const wire::Camera strip = view::askable(of(60, 1280, 50));
+  EXPECT_EQ(strip.height, 50u);
+  EXPECT_NEAR(strip.width, 1280 * 10.989 / (std::tan(glm::radians(30.0)) * 25.6), 2.0);
+}
+
 TEST(ViewerCamera, EyesStandApart) {
   const auto camera = view::lookAt({0, 0, 0}, {0, 0, -1}, 90.0, 100, 100, 0.1);
   EXPECT_NEAR(view::eyeOf(camera, 0.06, -1).eye.x, -0.03, 1e-12);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/transport/server.hpp"
+#include "codec/video.hpp"
 #include "codec/wire/handshake.hpp"
 #include "tests/view/one_patch.hpp"
 
@@ -34,8 +35,8 @@ std::unique_ptr<transport::Server> serverAt(std::uint16_t port) {
   return server ? std::move(*server) : nullptr;
 }
 
-std::unique_ptr<view::Session> sessionAt(const transport::Address& address) {
-  view::SessionOptions options;
+std::unique_ptr<view::Session> sessionAt(const transport::Address& address,
+                                         view::SessionOptions options = {}) {
   options.client.server = address;
   options.client.longestBackoff = std::chrono::milliseconds(200);
   options.stalled = std::chrono::milliseconds(200);
@@ -179,6 +180,54 @@ TEST(ViewSession, LatencyIsMeasuredByThePosesNumber) {
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   ASSERT_TRUE(answer(3, 2));
   EXPECT_GE(session->latency().median(view::Stage::Server), 50.0);
+}
+
+/// An I-frame of OnePatch's atlas.
+std::shared_ptr<const transport::Bytes> iFrame(std::uint32_t frame) {
+  EncoderOptions options;
+  options.width = options.height = 64;
+  auto encoder = VideoEncoder::create(options);
+  const YuvImage grey(64, 64, Chroma::Yuv420);
+  auto coded = encoder->encode(grey.view(), frame, {.iFrame = true});
+  EXPECT_TRUE(coded) << coded.error().message;
+  return std::make_shared<const transport::Bytes>(std::move(coded->bytes));
+}
+
+TEST(ViewSession, AnAtlasWithoutItsGeometryIsNamed) {
+  Greeter greeter;
+  greeter.server = serverAt(0);
+  greeter.greeting = {bytesOf(wire::Hello{wire::kSpoken, wire::Role::Server, ""}),
+                      bytesOf(test::OnePatch::setup())};
+  auto session = sessionAt(greeter.server->address());
+  std::uint32_t frame = 0;
+  EXPECT_TRUE(waitFor([&] {
+    greeter.poll();
+    ++frame;
+    if (greeter.joined > 0) (void)greeter.server->sendVideo(1, frame, iFrame(frame));
+    const view::Figures figures = session->figures();
+    EXPECT_NE(figures.condition, Condition::Live);
+    return figures.condition == Condition::Stalled && figures.why.find("no geometry") != std::string::npos;
+  })) << session->figures().why;
+}
+
+TEST(ViewSession, WhatWaitedTooLongIsNotDecoded) {
+  Greeter greeter;
+  greeter.server = serverAt(0);
+  greeter.greeting = {bytesOf(wire::Hello{wire::kSpoken, wire::Role::Server, ""}),
+                      bytesOf(test::OnePatch::setup())};
+  view::SessionOptions options;
+  options.longestBacklog = std::chrono::milliseconds(0);  // all of it
+  auto session = sessionAt(greeter.server->address(), options);
+  std::uint32_t frame = 0;
+  EXPECT_TRUE(waitFor([&] {
+    greeter.poll();
+    ++frame;
+    if (greeter.joined > 0) (void)greeter.server->sendVideo(1, frame, iFrame(frame));
+    const view::Figures figures = session->figures();
+    return figures.condition == Condition::WaitingForIFrame && figures.askedIFrames > 1 &&
+           figures.why.find("behind") != std::string::npos;
+  })) << session->figures().why;
+  EXPECT_EQ(session->figures().atlasFrames, 0u);
 }
 
 TEST(ViewSession, ARefusalIsFinalAndQuoted) {

@@ -11,6 +11,7 @@
 #include "apps/tessera/commands.hpp"
 #include "apps/tessera/measured_scene.hpp"
 #include "apps/tessera/progress.hpp"
+#include "apps/tessera/report_output.hpp"
 #include "apps/tessera/serve/streaming.hpp"
 #include "engine/core/file.hpp"
 
@@ -23,6 +24,7 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:7400";
   std::string method = "rect";
   double bitrate = 20e6;
+  std::optional<double> quality;
   double fps = 30.0;
   std::string chroma = "420";
   int iFrames = 60;
@@ -59,6 +61,10 @@ EncoderOptions codingOf(const ServeOptions& options, int width, int height) {
   coding.chroma = options.chroma == "444" ? Chroma::Yuv444 : Chroma::Yuv420;
   coding.framesPerSecond = options.fps;
   coding.bitrate = static_cast<std::int64_t>(options.bitrate);
+  if (options.quality) {
+    coding.rate = RateControl::ConstantQuality;
+    coding.quality = *options.quality;
+  }
   coding.iFrameInterval = 0;  // each is asked for, since messages name them
   if (!options.encoder.empty()) coding.encoders = {options.encoder};
   return coding;
@@ -92,6 +98,9 @@ Result<void> serve(const ServeOptions& options) {
   if (!address) return fail("--listen {}", address.error().message);
   if (!options.token.empty() && options.keys.empty())
     return fail("--token needs --keys: the folder of this side's certificate and pairings");
+  if (!options.stats.empty())
+    if (auto writable = checkWritable(options.stats); !writable)
+      return fail("--stats {}", writable.error().message);
   auto pvs = pvsOptionsOf(options.prediction);
   if (!pvs) return tl::unexpected(pvs.error());
   if (*pvs && (*pvs)->prediction == Prediction::Reference)
@@ -101,7 +110,7 @@ Result<void> serve(const ServeOptions& options) {
   auto setup = engineOptions(atlasChoice);
   if (!setup) return tl::unexpected(setup.error());
   if (setup->atlas.format != AtlasFormat::Srgb8)
-    return fail("--format {}: video takes display-encoded values", options.atlas.format);
+    return fail("--atlas-format {}: video takes display-encoded values", options.atlas.format);
   const transport::ServerOptions listening = listeningOf(options, *address);
   if (auto checked = transport::Server::check(listening); !checked)
     return fail("--listen {}", checked.error().message);
@@ -179,10 +188,16 @@ Run addServe(CLI::App& app) {
   command.add_option("--method", options->method, "what fills the atlas")
       ->check(CLI::IsMember({"rect", "tess"}))
       ->capture_default_str();
-  command.add_option("--bitrate", options->bitrate, "of the video, bits a second; 20M, 800k")
-      ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"k", 1e3}, {"M", 1e6}, {"G", 1e9}},
-                                        CLI::AsNumberWithUnit::CASE_SENSITIVE))
-      ->check(CLI::Range(1e4, 2e9));
+  auto* bitrate =
+      command.add_option("--bitrate", options->bitrate, "of the video, bits a second; 20M, 800k")
+          ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"k", 1e3}, {"M", 1e6}, {"G", 1e9}},
+                                            CLI::AsNumberWithUnit::CASE_SENSITIVE))
+          ->check(CLI::Range(1e4, 2e9));
+  command
+      .add_option("--quality", options->quality,
+                  "constant instead of a bitrate: CRF of libx264, quantizer of others; less is better")
+      ->check(CLI::Range(0.0, 51.0))
+      ->excludes(bitrate);
   command.add_option("--fps", options->fps, "frames a second that are shaded")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();

@@ -65,6 +65,7 @@ Result<void> Streaming::run(const std::atomic<bool>& stop) {
   // Packets are spread over a frame's time: the last ones are on their way by then.
   if (viewers_.watching() > 0)
     std::this_thread::sleep_for(std::min<Clock::duration>(interval, std::chrono::seconds(1)));
+  if (frame_ > 0 && uncoded_ == frame_) return fail("no frame of {} was coded", frame_);
   return {};
 }
 

@@ -8,9 +8,18 @@ namespace tessera::app {
 
 const Image& Truth::at(double time) {
   if (const auto found = pictures_.find(time); found != pictures_.end()) return found->second;
+  return pictures_.emplace(time, draw(time)).first->second;
+}
+
+Image Truth::once(double time) {
+  const auto found = pictures_.find(time);
+  return found != pictures_.end() ? found->second : draw(time);
+}
+
+Image Truth::draw(double time) {
   engine_->update(path_->sceneTime(time));
   engine_->forward(path_->at(time).view);
-  return pictures_.emplace(time, engine_->readColor()).first->second;
+  return engine_->readColor();
 }
 
 Result<Film> Film::create(glm::ivec2 size, double picturesPerSecond) {

@@ -11,14 +11,17 @@
 
 namespace tessera::app {
 
-/// Forward's pictures of the poses that are shown, each drawn once.
+/// Forward's pictures of the poses that are shown.
 class Truth {
  public:
   Truth(Engine& engine, const StudyPath& path) : engine_(&engine), path_(&path) {}
-  /// At a display time.
+  /// At a display time; kept.
   const Image& at(double time);
+  /// The same, not kept where at() has not drawn it.
+  Image once(double time);
 
  private:
+  Image draw(double time);
   Engine* engine_;
   const StudyPath* path_;
   std::map<double, Image> pictures_;

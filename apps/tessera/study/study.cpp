@@ -141,7 +141,7 @@ class Study {
     if (!film) return tl::unexpected(film.error());
     for (const Shot& shot : shotsOf(path_, settings_, true))
       if (shot.filmed)
-        if (auto added = film->add(truth_.at(shot.time)); !added) return added;
+        if (auto added = film->add(truth_.once(shot.time)); !added) return added;
     auto file = film->finish();
     if (!file) return tl::unexpected(file.error());
     scene_.truth = std::move(*file);

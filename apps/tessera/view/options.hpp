@@ -34,7 +34,6 @@ struct ViewOptions {
 };
 
 inline constexpr double kEyeDistance = 0.064;  // metres
-inline constexpr double kViewNear = 0.05;      // metres
 
 /// Without a window, along a path, at `fps`.
 Result<void> viewHeadless(const ViewOptions& options);

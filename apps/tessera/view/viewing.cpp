@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/tessera/report_output.hpp"
 #include "engine/core/file.hpp"
 #include "engine/view/camera.hpp"
 
@@ -36,11 +37,13 @@ Result<Flight> Flight::of(const ViewOptions& options, glm::ivec2 size) {
 
 wire::Camera Flight::cameraOf(const CameraKey& key) const {
   return view::lookAt(key.eye, key.target, fovY_.value_or(key.fovY), static_cast<std::uint32_t>(size_.x),
-                      static_cast<std::uint32_t>(size_.y), kViewNear);
+                      static_cast<std::uint32_t>(size_.y), near_.value_or(wire::Camera().zNear));
 }
 
 Result<void> Flight::learn(const view::Offer& offer) {
-  if (known()) return {};
+  near_ = offer.start.zNear;
+  if (camera_) camera_->zNear = *near_;
+  if (path_ || camera_) return {};
   if (wanted_.empty()) {
     camera_ = offer.start;
     if (fovY_) {
@@ -90,6 +93,9 @@ Result<Viewing> Viewing::start(const ViewOptions& options, const gl::Context& co
     std::filesystem::create_directories(options.record, error);
     if (error) return fail("--record {}: {}", options.record, error.message());
   }
+  if (!options.stats.empty())
+    if (auto writable = checkWritable(options.stats); !writable)
+      return fail("--stats {}", writable.error().message);
   if (!options.csv.empty()) {
     viewing.csv_.open(options.csv);
     if (!viewing.csv_) return fail("--csv {}: cannot be written", options.csv);

@@ -17,8 +17,9 @@ class Flight {
  public:
   /// Fails for eye without target, both at one point, and a file that holds no path.
   static Result<Flight> of(const ViewOptions& options, glm::ivec2 size);
-  [[nodiscard]] bool known() const { return path_ || camera_; }
-  /// Fails, naming those that there are, where the server has no path of the name that was asked for.
+  [[nodiscard]] bool known() const { return near_.has_value(); }
+  /// Takes the near plane, and what else the options leave to the server. Fails, naming those that there are,
+  /// where the server has no path of the name that was asked for.
   Result<void> learn(const view::Offer& offer);
   [[nodiscard]] bool moves() const { return path_.has_value(); }
   /// `seconds` from the path's start; anywhere before it is known.
@@ -30,6 +31,7 @@ class Flight {
   wire::Camera cameraOf(const CameraKey& key) const;
   std::string wanted_;  // name of a path
   std::optional<double> fovY_;
+  std::optional<double> near_;
   std::optional<CameraPath> path_;
   std::optional<wire::Camera> camera_;
   glm::ivec2 size_{0};

@@ -168,8 +168,10 @@ Result<void> viewWindow(const ViewOptions& options) {
     glfwSwapBuffers((*window)->get());
     if (auto done = viewing->shown(); !done) return done;
     if (viewing->figures().condition == view::Condition::Refused && !viewing->hasPicture() &&
-        options.frames > 0)
+        options.frames > 0) {
+      if (auto written = viewing->writeStats(); !written) return written;
       return fail("{}", viewing->figures().why);
+    }
   }
   return viewing->writeStats();
 }

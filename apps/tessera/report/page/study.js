@@ -17,8 +17,11 @@ function lines(parent, scene, key, title, unit, axis, logarithmic) {
   options.scales.x.afterBuildTicks = scale => { scale.ticks = values.map(value => ({value})); };
   options.scales.x.ticks.callback = value => kShort.format(value);
   options.scales.x.ticks.autoSkip = false;
-  options.scales.x.min = values[0];
-  options.scales.x.max = values[values.length - 1];
+  // One value has no extent.
+  if (values.length > 1) {
+    options.scales.x.min = values[0];
+    options.scales.x.max = values[values.length - 1];
+  }
   options.scales.y.ticks.maxTicksLimit = 7;
   options.scales.y.grace = '4%';
   options.plugins.tooltip.callbacks.title = items => `${kShort.format(items[0].parsed.x)} ${axis.split(', ').pop()}`;

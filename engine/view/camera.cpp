@@ -78,14 +78,14 @@ wire::Camera askable(const wire::Camera& camera) {
   const double width = 2.0 * across / pixel;
   const double height = 2.0 * up / pixel;
   const double fewer = std::min({1.0, wire::kMostViewSide / std::max(width, height),
-                                 std::sqrt(double(wire::kMostViewPixels) / (width * height))});
+                                 std::sqrt(0.99 * wire::kMostViewPixels / (width * height))});
   wire::Camera asked = camera;
   const auto side = [&](double pixels) {
-    return std::clamp(static_cast<std::uint32_t>(fewer * pixels), 1u, wire::kMostViewSide);
+    return std::clamp(static_cast<std::uint32_t>(std::ceil(fewer * pixels - 1e-6)), 1u, wire::kMostViewSide);
   };
   if (fewer == 1.0 && across == camera.slopes[1] && up == camera.slopes[3]) return asked;
-  asked.width = side(width + 1e-6);
-  asked.height = side(height + 1e-6);
+  asked.width = side(width);
+  asked.height = side(height);
   // Whole pixels again: as large as they were, or as they became.
   const double half = 0.5 * pixel / fewer;
   asked.slopes = {-half * asked.width, half * asked.width, -half * asked.height, half * asked.height};

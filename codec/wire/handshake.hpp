@@ -9,7 +9,7 @@
 namespace tessera::wire {
 
 /// Versions that this code speaks.
-inline constexpr Versions kSpoken{1, 1};
+inline constexpr Versions kSpoken{2, 2};  // 1 sent masks unpacked
 
 /// A side's answer to a hello: the version to speak, or the refusal to send before hanging up. `token`: what
 /// a peer must give, empty for none; compared in a time that does not depend on where they differ.

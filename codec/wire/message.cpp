@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <zstd.h>
 
 #include "codec/wire/bytes.hpp"
 
@@ -24,7 +25,7 @@ constexpr std::array<KindEntry, 10> kKinds = {
      {Kind::Setup, "setup", 24 + kCamera + kText},
      {Kind::Frame, "frame", 24 + kCamera + kLight* kMostLights},
      {Kind::Geometry, "geometry", std::size_t{64} << 20},
-     {Kind::Mask, "mask", 20 + std::size_t{kMostMaskSide} * kMostMaskSide},
+     {Kind::Mask, "mask", 24 + ZSTD_COMPRESSBOUND(std::size_t{kMostMaskSide} * kMostMaskSide)},
      {Kind::Path, "path", 4 + kPathKey* kMostPathKeys + kText},
      {Kind::Acknowledge, "acknowledge", 16},
      {Kind::Pose, "pose", 16 + kCamera},
@@ -34,6 +35,24 @@ const KindEntry* entryOf(Kind kind) {
   for (const KindEntry& entry : kKinds)
     if (entry.kind == kind) return &entry;
   return nullptr;
+}
+
+/// Leaves and fences are mostly runs: a hundredth, as a rule.
+std::vector<std::uint8_t> pack(std::span<const std::uint8_t> plain) {
+  constexpr int kLevel = 9;
+  std::vector<std::uint8_t> packed(ZSTD_compressBound(plain.size()));
+  const std::size_t size = ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), kLevel);
+  packed.resize(ZSTD_isError(size) != 0 ? 0 : size);
+  return packed;
+}
+
+/// Empty where the bytes do not unpack to just so many.
+std::vector<std::uint8_t> unpack(std::span<const std::uint8_t> packed, std::size_t count) {
+  // Said in front, so that a few bytes that would unpack to many take no memory.
+  if (ZSTD_getFrameContentSize(packed.data(), packed.size()) != count) return {};
+  std::vector<std::uint8_t> plain(count);
+  if (ZSTD_decompress(plain.data(), count, packed.data(), packed.size()) != count) return {};
+  return plain;
 }
 
 void write(ByteWriter& out, const Camera& camera) {
@@ -106,7 +125,9 @@ struct Writer {
     out.u8(static_cast<std::uint8_t>(m.up));
     pad(out, 2);
     out.f32(m.cutoff);
-    out.raw(m.alpha);
+    const std::vector<std::uint8_t> packed = pack(m.alpha);
+    out.u32(static_cast<std::uint32_t>(packed.size()));
+    out.raw(packed);
   }
   void operator()(const Path& m) const {
     out.u32(static_cast<std::uint32_t>(m.keys.size()));
@@ -345,8 +366,11 @@ Result<Message> decode(Kind kind, std::span<const std::uint8_t> body) {
       m.up = c.oneOf("wrap", Wrap::Mirror);
       c.zero(2);
       m.cutoff = c.finite32("cutoff");
-      const auto alpha = c.in.raw(std::size_t{m.width} * m.height);
-      m.alpha.assign(alpha.begin(), alpha.end());
+      const std::uint32_t packed = c.in.u32();
+      const auto bytes = c.in.raw(packed);
+      if (c.in.failed()) return c.done(std::move(m));  // says so
+      m.alpha = unpack(bytes, std::size_t{m.width} * m.height);
+      if (m.alpha.empty()) c.refuse("bytes of alpha that are not those of its size", bytes.size());
       return c.done(std::move(m));
     }
     case Kind::Path: {

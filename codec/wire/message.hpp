@@ -137,7 +137,7 @@ struct MaskImage {
   Wrap across = Wrap::Repeat;
   Wrap up = Wrap::Repeat;
   float cutoff = 0.5f;
-  std::vector<std::uint8_t> alpha;
+  std::vector<std::uint8_t> alpha;  // width x height, rows from the top; sent packed by zstd
 };
 
 /// Where a camera is at a time of its path.

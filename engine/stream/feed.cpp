@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <tuple>
 #include <unordered_map>
 
 #include <glm/gtc/quaternion.hpp>
@@ -28,14 +29,25 @@ struct PlaceHash {
 };
 
 /// Numbers of masks, by material; kNone where there is none.
+/// What masksOf() reads of a material: those that agree in it have one mask.
+using MaskKey = std::tuple<bool, float, float, std::uint32_t, Wrap, Wrap>;
+
 std::vector<std::uint32_t> maskNumbers(const Scene& scene) {
   std::vector<std::uint32_t> numbers(scene.materials.size(), wire::kNone);
-  std::uint32_t count = 0;
-  for (std::size_t i = 0; i < numbers.size() && count <= 0xffff; ++i)
-    if (const Material& material = scene.materials[i];
-        material.alphaMode == AlphaMode::Mask ||
-        (material.alphaMode == AlphaMode::Blend && material.baseColor.used()))
-      numbers[i] = count++;
+  std::map<MaskKey, std::uint32_t> known;
+  for (std::size_t i = 0; i < numbers.size() && known.size() <= 0xffff; ++i) {
+    const Material& material = scene.materials[i];
+    const TextureSlot& slot = material.baseColor;
+    const bool cut = material.alphaMode == AlphaMode::Mask;
+    if (!cut && !(material.alphaMode == AlphaMode::Blend && slot.used())) continue;
+    const MaskKey key = {cut,
+                         cut ? material.alphaCutoff : 0.0f,
+                         material.baseColorFactor.a,
+                         slot.image,
+                         slot.sampler.wrapS,
+                         slot.sampler.wrapT};
+    numbers[i] = known.emplace(key, static_cast<std::uint32_t>(known.size())).first->second;
+  }
   return numbers;
 }
 
@@ -132,7 +144,8 @@ std::vector<wire::MaskImage> masksOf(const Scene& scene) {
   std::vector<wire::MaskImage> masks;
   const std::vector<std::uint32_t> numbers = maskNumbers(scene);
   for (std::size_t m = 0; m < numbers.size(); ++m) {
-    if (numbers[m] == wire::kNone) continue;
+    // The first of each; numbers rise by one.
+    if (numbers[m] != masks.size()) continue;
     const Material& material = scene.materials[m];
     wire::MaskImage mask;
     mask.number = static_cast<std::uint16_t>(numbers[m]);

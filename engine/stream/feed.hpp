@@ -23,9 +23,9 @@ inline constexpr double kMostNear = 1e6;
 inline constexpr double kFarthestEye = 1e9;  // metres from the origin, along each axis
 
 /// Alpha of a scene's masked materials, and of the blended ones that have an image, numbered as the styles of
-/// elements name them: vertex colours have no part in it. A material without an image, and one whose image is
-/// of one alpha, has one texel. Images beyond wire::kMostMaskSide are halved.
-/// Of a scene before an engine takes it: that keeps no pixels.
+/// elements name them: vertex colours have no part in it, and materials that agree in the rest share one. A
+/// material without an image, and one whose image is of one alpha, has one texel. Images beyond
+/// wire::kMostMaskSide are halved. Of a scene before an engine takes it: that keeps no pixels.
 std::vector<wire::MaskImage> masksOf(const Scene& scene);
 
 /// Lights as a frame is told of them, places relative to `eye`. Those beyond wire::kMostLights are left out,

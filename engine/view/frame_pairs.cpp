@@ -5,10 +5,7 @@
 namespace tessera::view {
 
 FramePairs::FramePairs(const wire::StreamSetup& setup, const Limits& limits)
-    : setup_(setup),
-      limits_(limits),
-      mirror_(setup.method, {setup.width, setup.height}),
-      masks_(std::make_shared<const std::vector<wire::MaskImage>>()) {}
+    : setup_(setup), limits_(limits), mirror_(setup.method, {setup.width, setup.height}) {}
 
 void FramePairs::header(const wire::FrameHeader& header, Clock::time_point came, Clock::time_point posed) {
   waiting_.push_back({header, came, posed, std::nullopt});
@@ -51,14 +48,13 @@ Result<void> FramePairs::picture(Picture picture) {
 }
 
 void FramePairs::mask(wire::MaskImage mask) {
-  auto masks = std::make_shared<std::vector<wire::MaskImage>>(*masks_);
-  const auto same = std::find_if(masks->begin(), masks->end(),
+  const auto same = std::find_if(masks_.begin(), masks_.end(),
                                  [&](const wire::MaskImage& other) { return other.number == mask.number; });
-  if (same != masks->end())
+  if (same != masks_.end())
     *same = std::move(mask);
   else
-    masks->push_back(std::move(mask));
-  masks_ = std::move(masks);
+    masks_.push_back(std::move(mask));
+  shownMasks_ = nullptr;
 }
 
 Result<bool> FramePairs::next(ShadedFrame& frame) {
@@ -73,7 +69,9 @@ Result<bool> FramePairs::next(ShadedFrame& frame) {
   if (auto done = applyOldest(); !done) return tl::unexpected(done.error());
   Picture& picture = pictures_.at(newest);
   frame.header = last.header;
-  frame.masks = masks_;
+  // Copied once, however many came in between.
+  if (!shownMasks_) shownMasks_ = std::make_shared<const std::vector<wire::MaskImage>>(masks_);
+  frame.masks = shownMasks_;
   frame.take(mirror_);
   std::swap(frame.atlas, picture.planes);
   frame.times = {last.posed, last.came, picture.video, picture.decoded, Clock::now()};

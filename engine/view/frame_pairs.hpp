@@ -61,7 +61,8 @@ class FramePairs {
   wire::VisibleMirror mirror_;
   std::deque<Waiting> waiting_;  // frames rise
   std::map<std::uint32_t, Picture> pictures_;
-  std::shared_ptr<const std::vector<wire::MaskImage>> masks_;
+  std::vector<wire::MaskImage> masks_;
+  std::shared_ptr<const std::vector<wire::MaskImage>> shownMasks_;  // a copy; null where it is old
   std::size_t waitingBytes_ = 0;
   std::uint32_t applied_ = 0;
   std::uint32_t shown_ = 0;

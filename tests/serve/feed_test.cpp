@@ -106,6 +106,31 @@ TEST(Feed, MasksOfBlendedMaterialsAreThoseOfTheirImages) {
   EXPECT_EQ(masks[1].alpha, (std::vector<std::uint8_t>{128}));
 }
 
+TEST(Feed, MaterialsOfOneMaskShareIt) {
+  Scene scene = build::emptyScene();
+  build::addCheckers(scene, 4, 2, true);
+  Material leaf;
+  leaf.alphaMode = AlphaMode::Mask;
+  leaf.baseColor.image = 0;
+  build::addMaterial(scene, leaf);
+  leaf.roughnessFactor = 0.1f;
+  leaf.baseColorFactor.r = 0.5f;
+  build::addMaterial(scene, leaf);  // nothing that a mask is made of
+  leaf.alphaCutoff = 0.75f;
+  build::addMaterial(scene, leaf);
+  leaf.baseColor.sampler.wrapT = Wrap::Clamp;
+  build::addMaterial(scene, leaf);
+  leaf.alphaMode = AlphaMode::Blend;
+  build::addMaterial(scene, leaf);
+  const auto masks = masksOf(scene);
+  ASSERT_EQ(masks.size(), 4u);
+  for (std::size_t i = 0; i < masks.size(); ++i) EXPECT_EQ(masks[i].number, i);
+  EXPECT_EQ(masks[0].cutoff, 0.5f);
+  EXPECT_EQ(masks[1].cutoff, 0.75f);
+  EXPECT_EQ(masks[2].up, wire::Wrap::Clamp);
+  EXPECT_EQ(masks[3].cutoff, 0.0f);
+}
+
 TEST(Feed, MasksBeyondTheWiresSidesAreHalved) {
   Scene scene = build::emptyScene();
   SceneImage image;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "codec/wire/framing.hpp"
+#include "codec/wire/handshake.hpp"
 #include "codec/wire/message_order.hpp"
 #include "codec/wire/visible_mirror.hpp"
 #include "tests/wire/random_world.hpp"
@@ -30,7 +31,7 @@ std::vector<std::uint8_t> inputOf(std::uint8_t choice, const std::vector<Message
 std::vector<std::uint8_t> serverInput(Method method, std::uint8_t choice) {
   StreamSetup setup = someSetup();
   setup.method = method;
-  std::vector<Message> messages = {Hello{{1, 1}, Role::Server, ""}, setup, somePath(), someMask()};
+  std::vector<Message> messages = {Hello{kSpoken, Role::Server, ""}, setup, somePath(), someMask()};
   RandomWorld world(method, 21, 50);
   VisibleDelta delta(world.source);
   for (std::uint32_t frame = 1; frame <= 4; ++frame) {
@@ -44,8 +45,8 @@ std::vector<std::uint8_t> serverInput(Method method, std::uint8_t choice) {
 std::vector<std::pair<std::string, std::vector<std::uint8_t>>> inputs() {
   return {{"server_rect", serverInput(Method::Rect, 0)},
           {"server_tess", serverInput(Method::Tess, 5)},
-          {"viewer", inputOf(2, {Hello{{1, 1}, Role::Viewer, "token"}, somePose(1), Acknowledge{1, 2, 3.0},
-                                 AskIFrame{2}, Refusal{RefusalReason::Closing, {1, 1}, "bye"}})}};
+          {"viewer", inputOf(2, {Hello{kSpoken, Role::Viewer, "token"}, somePose(1), Acknowledge{1, 2, 3.0},
+                                 AskIFrame{2}, Refusal{RefusalReason::Closing, kSpoken, "bye"}})}};
 }
 
 TEST(FuzzCorpus, IsOfThisFormat) {

@@ -287,7 +287,29 @@ TEST(Messages, ValuesThatAreNoneAreNamed) {
   EXPECT_EQ(refusal(hello), "hello: 3 as oldest version");
   MaskImage mask = test::someMask();
   mask.alpha.pop_back();
-  EXPECT_EQ(refusal(mask), "mask: it ends early");
+  EXPECT_NE(refusal(mask).find("as bytes of alpha that are not those of its size"), std::string::npos);
+  mask.alpha.clear();
+  EXPECT_NE(refusal(mask).find("as bytes of alpha that are not those of its size"), std::string::npos);
+}
+
+TEST(Messages, MasksArePackedAndCorruptOnesRefused) {
+  MaskImage mask = test::someMask();
+  mask.width = mask.height = 2048;
+  mask.alpha.assign(std::size_t{2048} * 2048, 255);
+  std::fill(mask.alpha.begin() + 1'000'000, mask.alpha.begin() + 3'000'000, std::uint8_t{0});
+  const auto bytes = encode(mask);
+  ASSERT_TRUE(bytes);
+  EXPECT_LT(bytes->size(), 10'000u);
+  const auto body = std::span(*bytes).subspan(kHeaderBytes);
+  EXPECT_EQ(std::get<MaskImage>(*decode(Kind::Mask, body)).alpha, mask.alpha);
+  for (std::size_t cut = 0; cut < body.size(); ++cut)
+    EXPECT_FALSE(decode(Kind::Mask, body.first(cut))) << cut;
+  // Says that it is larger than it is, and the other way round.
+  for (const std::uint8_t side : {4, 16}) {
+    std::vector<std::uint8_t> other(body.begin(), body.end());
+    other[5] = side;  // second byte of the width: 1024, 4096
+    EXPECT_FALSE(decode(Kind::Mask, other)) << int{side};
+  }
 }
 
 TEST(Handshake, FindsTheVersionOrSaysWhichMeet) {

@@ -89,6 +89,7 @@ class Client::State {
   std::uint64_t connections = 0;  // that were made
   bool final = false;             // trying again cannot help
   bool joined = false;
+  Clock::time_point joinedAt{};
   bool stopping = false;
 
   mutable std::mutex mutex;  // of what follows
@@ -265,7 +266,7 @@ void Client::State::join(const Ready& ready) {
   helloNumber = 0;
   ++connections;
   joined = true;
-  backoff = options.firstBackoff;
+  joinedAt = Clock::now();
   {
     const std::lock_guard lock(mutex);
     connected = channel;
@@ -280,6 +281,8 @@ void Client::State::join(const Ready& ready) {
 }
 
 void Client::State::lost(const std::string& reason) {
+  // A server that takes and dismisses a client again and again is not asked ten times a second.
+  if (joined && Clock::now() - joinedAt > options.longestBackoff) backoff = options.firstBackoff;
   joined = false;
   asio::error_code ignored;
   socket.close(ignored);

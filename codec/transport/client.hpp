@@ -28,7 +28,7 @@ struct ClientOptions {
   ReceiveLimits receive;
   std::size_t videoInbox = 64;  // frames that may wait to be polled; past that the oldest is dropped
   bool reconnect = true;
-  std::chrono::milliseconds firstBackoff{100};  // doubled with each try that fails
+  std::chrono::milliseconds firstBackoff{100};  // doubled with each try, till one holds for longestBackoff
   std::chrono::milliseconds longestBackoff{5000};
   std::chrono::milliseconds hello{500};  // between two video hellos
   /// One line at a time, from the client's thread.

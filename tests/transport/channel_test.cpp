@@ -5,6 +5,7 @@
 #include <asio/read.hpp>
 #include <asio/write.hpp>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "tests/transport/pair.hpp"
@@ -251,6 +252,21 @@ TEST(Channel, ALostConnectionIsMadeAgain) {
   ASSERT_TRUE(viewer.client->send(Bytes{1}).has_value());
   EXPECT_TRUE(server.until([&] { return !server.messages.empty(); }));
   EXPECT_EQ(server.messages[0].viewer, server.joined[1].viewer);
+}
+
+TEST(Channel, WhoIsDismissedAgainAndAgainComesEverMoreRarely) {
+  TestServer server({});
+  ASSERT_TRUE(server.server) << server.error;
+  TestViewer viewer(server.server->address());
+  std::size_t dismissed = 0;
+  ASSERT_TRUE(viewer.until([&] {
+    server.poll();
+    for (; dismissed < server.joined.size(); ++dismissed)
+      server.server->dismiss(server.joined[dismissed].viewer, "no place");
+    return viewer.disconnected.size() >= 4;
+  })) << viewer.log.text();
+  for (const char* wait : {"100", "200", "400", "800"})
+    EXPECT_TRUE(viewer.log.has(fmt::format("next try in {} ms", wait))) << viewer.log.text();
 }
 
 TEST(Channel, AServerThatStopsSaysSoAndIsFoundAgain) {

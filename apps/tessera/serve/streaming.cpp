@@ -228,6 +228,13 @@ void Streaming::tellFrame(const wire::FrameHeader& told, const std::vector<wire:
   std::vector<transport::ViewerId> ids;
   for (const auto& [id, viewer] : viewers_.all())
     if (viewer.watches()) ids.push_back(id);
+  // Of these a viewer may remember some more that are gone.
+  if (const std::size_t most = wire::kMostElements - wire::DeltaOptions().keepMost; elements.size() > most) {
+    for (const transport::ViewerId id : ids)
+      viewers_.dismiss(id,
+                       fmt::format("{} elements are visible, and a viewer takes {}", elements.size(), most));
+    return;
+  }
   for (const transport::ViewerId id : ids) {
     Viewer& viewer = viewers_.all().at(id);
     wire::FrameHeader header = told;

@@ -33,7 +33,7 @@ Result<VisibleSet> VisibleSet::create(gl::ProgramCache& programs, VisibleElement
   set.capacity_ = capacity;
   set.list_ = gl::Buffer((std::size_t{1} + capacity) * sizeof(std::uint32_t));
   set.marks_ = gl::Buffer(std::size_t{capacity} * sizeof(std::uint32_t));
-  set.dispatch_ = gl::Buffer(3 * sizeof(std::uint32_t));
+  set.dispatch_ = gl::Buffer(4 * sizeof(std::uint32_t));
   return set;
 }
 
@@ -47,6 +47,7 @@ void VisibleSet::begin() {
     frame_ = 1;
   }
   list_.fill(0, 0, sizeof(std::uint32_t));
+  dispatch_.fill(0, 3 * sizeof(std::uint32_t), sizeof(std::uint32_t));
   if (pixels_) pixels_.fill(0);
 }
 
@@ -83,6 +84,11 @@ void VisibleSet::bindMarking() const {
 std::vector<std::uint32_t> VisibleSet::read() const {
   const auto count = list_.readAll<std::uint32_t>(1)[0];
   return list_.readAll<std::uint32_t>(count, sizeof(std::uint32_t));
+}
+
+std::uint32_t VisibleSet::readEmptyPixels() const {
+  gl::api().MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  return dispatch_.readAll<std::uint32_t>(1, 3 * sizeof(std::uint32_t))[0];
 }
 
 std::vector<std::uint32_t> VisibleSet::readPixels() const {

@@ -41,6 +41,8 @@ class VisibleSet {
   /// Blocking readback, in the same order: of all views that were added, the pixels that show each. After
   /// finish(); empty where they are not counted.
   [[nodiscard]] std::vector<std::uint32_t> readPixels() const;
+  /// Blocking readback: pixels of all views that were added that show no element.
+  [[nodiscard]] std::uint32_t readEmptyPixels() const;
 
  private:
   gl::Buffer list_;   // uint count, uint ids[]

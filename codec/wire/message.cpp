@@ -23,7 +23,7 @@ constexpr std::array<KindEntry, 10> kKinds = {
     {{Kind::Hello, "hello", 9 + kText},
      {Kind::Refusal, "refusal", 5 + kText},
      {Kind::Setup, "setup", 24 + kCamera + kText},
-     {Kind::Frame, "frame", 24 + kCamera + kLight* kMostLights},
+     {Kind::Frame, "frame", 28 + kCamera + kLight* kMostLights},
      {Kind::Geometry, "geometry", std::size_t{64} << 20},
      {Kind::Mask, "mask", 24 + ZSTD_COMPRESSBOUND(std::size_t{kMostMaskSide} * kMostMaskSide)},
      {Kind::Path, "path", 4 + kPathKey* kMostPathKeys + kText},
@@ -103,6 +103,7 @@ struct Writer {
     pad(out, 3);
     out.u32(m.pose);
     out.f64(m.time);
+    out.f32(m.background);
     write(out, m.camera);
     out.u32(static_cast<std::uint32_t>(m.lights.size()));
     for (const SentLight& light : m.lights) {
@@ -333,6 +334,8 @@ Result<Message> decode(Kind kind, std::span<const std::uint8_t> body) {
       c.zero(3);
       m.pose = c.in.u32();
       m.time = c.finite("time");
+      m.background = c.finite32("share of the background");
+      if (!(m.background >= 0.0f && m.background <= 1.0f)) c.refuse("share of the background", m.background);
       m.camera = c.camera();
       const std::uint32_t lights = c.between("number of lights", 0, kMostLights);
       for (std::uint32_t i = 0; i < lights && !c.in.failed(); ++i) {

@@ -118,6 +118,8 @@ struct FrameHeader {
   /// Number of the newest Pose of the viewer that is told, of those that the frame was made from; 0: of none.
   std::uint32_t pose = 0;
   double time = 0.0;  // the scene's, seconds
+  /// Of the pixels of the views that the frame was made for, the share that shows nothing, [0, 1].
+  float background = 0.0f;
   Camera camera;
   std::vector<SentLight> lights;  // at most kMostLights
 };

@@ -201,6 +201,9 @@ class Engine {
   [[nodiscard]] std::vector<std::uint32_t> readIds() const;
   /// VisibleSet::readPixels of the last findVisible(); empty without EngineOptions::visiblePixels. Blocking.
   [[nodiscard]] std::vector<std::uint32_t> readVisiblePixels() const;
+  /// Of the pixels of the views of the last findVisible(), the share that shows nothing that covers, [0, 1];
+  /// 0 before. Blocking.
+  [[nodiscard]] double readBackgroundShare() const;
   /// Longest edge to height of such a triangle (an id that is not 0), as the view's eye sees it: what makes
   /// it slanted. 0 where it is no longer than a pixel.
   [[nodiscard]] double slantOf(std::uint32_t id, const View& view) const;

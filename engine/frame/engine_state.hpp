@@ -101,10 +101,11 @@ struct Engine::State {
   std::optional<TessAtlas> tess;
   std::optional<TexelAtlas> texel;
   PictureTarget picture;
-  PictureTarget spare;        // what upsample() and warp() draw into; then it is the picture
-  gl::Texture upsampledRows;  // RGBA16F, full width, the picture's height
-  PictureTarget distorted;    // of distort(), without depth
-  bool throughLens = false;   // which of the two color() is
+  PictureTarget spare;           // what upsample() and warp() draw into; then it is the picture
+  gl::Texture upsampledRows;     // RGBA16F, full width, the picture's height
+  PictureTarget distorted;       // of distort(), without depth
+  std::uint64_t viewPixels = 0;  // of the last findVisible()
+  bool throughLens = false;      // which of the two color() is
   IdTarget id;
   IdTarget idLayers;
   bool idsInLayers = false;  // which of the two findVisible drew last

@@ -185,6 +185,10 @@ void Engine::findVisible(std::span<const TimedView> wanted) {
   s.bindScene();
   s.visible->begin();
   s.gatherer()->beginViews();
+  s.viewPixels = 0;
+  for (const TimedView& view : views)
+    s.viewPixels +=
+        static_cast<std::uint64_t>(view.view.width) * static_cast<std::uint64_t>(view.view.height);
   const double present = s.now.time;
   const bool layered = views.size() > 1 && s.drawsIdLayers();
   for (std::size_t first = 0; first < views.size();) {

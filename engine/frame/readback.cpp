@@ -34,6 +34,12 @@ std::uint64_t Engine::visibleTriangles() const {
   return triangles;
 }
 
+double Engine::readBackgroundShare() const {
+  if (!s_->visible || s_->viewPixels == 0) return 0.0;
+  const auto guard = s_->guard();
+  return static_cast<double>(s_->visible->readEmptyPixels()) / static_cast<double>(s_->viewPixels);
+}
+
 std::vector<std::uint32_t> Engine::readVisiblePixels() const {
   if (!s_->visible) return {};
   const auto guard = s_->guard();

@@ -38,7 +38,7 @@
 
 #define BIND_SPLIT_PIECES 23       // TessPieceGpu[kSplitNumbers]
 
-#define BIND_DISPATCH 24        // uint[3]: groups of 64 over the visible list
+#define BIND_DISPATCH 24        // uint[4]: groups of 64 over the visible list, pixels that show nothing
 
 // Shader storage: the tessellation gatherer's atlas. It has the rectangular one's bindings for what is alike, and:
 #define BIND_TESS_BINS 9   // TessBin[]

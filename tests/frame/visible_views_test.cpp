@@ -224,14 +224,21 @@ TEST_F(VisibleViews, PixelsAreCountedOverAllViews) {
       options.gatherer = kind;
       auto engine = make(layers, boards(), options);
       ASSERT_TRUE(engine);
-      const auto views = eyes(3);
+      auto views = eyes(3);
+      for (View& view : views) view.fovY = 2.4;  // past the boards' edges
       std::map<std::uint32_t, std::uint32_t> expected;
+      std::uint32_t empty = 0;
       for (const View& view : views) {
         engine->findVisible({&view, 1});
         for (const std::uint32_t id : engine->readIds())
-          if (id != 0) ++expected[kind == GathererKind::Tess ? id - 4 : (id >> 2U) - 1];
+          if (id != 0)
+            ++expected[kind == GathererKind::Tess ? id - 4 : (id >> 2U) - 1];
+          else
+            ++empty;
       }
       engine->findVisible(views);
+      EXPECT_GT(empty, 100u);
+      EXPECT_NEAR(engine->readBackgroundShare() * 3 * views[0].width * views[0].height, empty, 0.01);
       const auto numbers = engine->visibleSet()->read();
       const auto pixels = engine->readVisiblePixels();
       ASSERT_EQ(pixels.size(), numbers.size());
@@ -248,14 +255,20 @@ TEST_F(VisibleViews, PixelsAreCountedOverAllViews) {
         else
           counted[numbers[i]] = pixels[i];
       }
-      EXPECT_GT(blended, 500u);
+      EXPECT_GT(blended, 100u);
       EXPECT_EQ(counted, expected);
       EXPECT_GT(expected.size(), 20u);
     }
   auto without = make(true);
   ASSERT_TRUE(without);
-  without->findVisible(eyes(1));
+  auto wide = eyes(1);
+  wide[0].fovY = 2.4;
+  without->findVisible(wide);
   EXPECT_TRUE(without->readVisiblePixels().empty());
+  const auto ids = without->readIds();
+  const auto empty = static_cast<double>(std::count(ids.begin(), ids.end(), 0u));
+  EXPECT_GT(empty, 100.0);
+  EXPECT_NEAR(without->readBackgroundShare() * static_cast<double>(ids.size()), empty, 0.01);
 }
 
 }  // namespace

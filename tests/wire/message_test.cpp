@@ -279,6 +279,9 @@ TEST(Messages, ValuesThatAreNoneAreNamed) {
   EXPECT_NE(refusal(pose), "");
   pose = test::somePose(0);
   EXPECT_EQ(refusal(pose), "pose: 0 as number of a pose");
+  FrameHeader frame = test::someFrame(1);
+  frame.background = 1.5f;
+  EXPECT_EQ(refusal(frame), "frame: 1.5 as share of the background");
   StreamSetup setup = test::someSetup();
   setup.width = 40000;
   EXPECT_EQ(refusal(setup), "setup: 40000 as width of the atlas");

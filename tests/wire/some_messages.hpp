@@ -21,6 +21,7 @@ inline wire::FrameHeader someFrame(std::uint32_t number) {
   wire::FrameHeader frame;
   frame.frame = number;
   frame.iFrame = true;
+  frame.background = 0.25f;
   frame.pose = 8;
   frame.time = 12.5;
   frame.camera = someCamera();

@@ -198,11 +198,13 @@ Result<void> Streaming::frame(double time) {
   std::vector<wire::VisibleElement> elements;
   std::vector<wire::ObjectTransform> objects;
   std::vector<Region> regions;
+  double background = 0.0;
   timed(times_.read, [&] {
     elements = feed_.visible(engine_);
     objects = feed_.objects(engine_);
     // None where the engine does not count pixels.
     regions = regionsOf(shownBlocks(engine_, elements), atlas.width(), atlas.height());
+    background = engine_.readBackgroundShare();
     noteReset();
   });
   // Before the messages, so that both are made at once.
@@ -213,6 +215,7 @@ Result<void> Streaming::frame(double time) {
     header.iFrame = iFrame;
     header.atlasReset = reset_;
     header.time = time;
+    header.background = static_cast<float>(background);
     // Tessellated samples are even in the picture of the first view that was placed.
     header.camera = cameraOf(ends_.front());
     header.lights =

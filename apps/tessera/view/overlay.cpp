@@ -37,7 +37,10 @@ void drawOverlay(const Viewing& viewing, bool figures) {
   }
   line(fmt::format("video {:.2f} Mbit/s, meta {:.2f} Mbit/s", f.videoMbit, f.metaMbit));
   line(fmt::format("loss {:.2f} %, round trip {:.1f} ms", f.lossPercent(), f.roundTripMs));
-  line(fmt::format("uncovered {} pixels", viewing.uncovered()));
+  if (viewing.missed())
+    line(fmt::format("missing from the visible set: {} pixels", *viewing.missed()));
+  else
+    line(fmt::format("uncovered {} pixels, the background's among them", viewing.uncovered()));
   ImGui::End();
 }
 

@@ -62,6 +62,8 @@ class Viewing {
   [[nodiscard]] double latency(view::Stage stage) const { return session_->latency().median(stage); }
   [[nodiscard]] double frameMs() const { return frameMs_; }
   [[nodiscard]] std::uint64_t uncovered() const { return uncovered_; }
+  /// Uncovered pixels of the last picture, where they can be none of the background.
+  [[nodiscard]] std::optional<std::uint64_t> missed() const;
   [[nodiscard]] std::uint32_t shownFrame() const { return shownFrame_; }
   /// DIR/0001.png, ...
   Result<void> record(const Image& picture);
@@ -85,6 +87,8 @@ class Viewing {
   double frameMs_ = 0.0;
   std::uint64_t uncovered_ = 0;
   std::uint64_t uncoveredSum_ = 0;
+  std::uint64_t missedSum_ = 0;
+  int framesClosed_ = 0;  // shown, and all that is uncovered in them is missing
 };
 
 }  // namespace tessera::app

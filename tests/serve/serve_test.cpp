@@ -3,6 +3,7 @@
 #include <csignal>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -280,7 +281,8 @@ TEST(Serve, QualityIsWhatItIsAskedFor) {
 TEST(Serve, StatisticsNameTheStages) {
   const std::string file = testing::TempDir() + "serve_stats.json";
   std::remove(file.c_str());
-  Served server("127.0.0.1:0", {"--frames", "6", "--stats", file});
+  const std::string csv = testing::TempDir() + "serve_frames.csv";
+  Served server("127.0.0.1:0", {"--frames", "6", "--stats", file, "--csv", csv});
   Watcher watcher(server.address);
   ASSERT_TRUE(stepUntil({&watcher}, [&] { return std::ifstream(file).good(); })) << server.program.said();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
@@ -290,6 +292,25 @@ TEST(Serve, StatisticsNameTheStages) {
     EXPECT_GT(json.at("ms").at(stage).get<double>(), 0.0) << stage;
   EXPECT_GT(json.at("video_bytes").get<double>(), 0.0);
   EXPECT_GT(json.at("meta_bytes").get<double>(), 0.0);
+  std::ifstream rows(csv);
+  std::string line;
+  ASSERT_TRUE(std::getline(rows, line));
+  const auto columns = std::count(line.begin(), line.end(), ',');
+  std::size_t videoBytes = 0;
+  int frames = 0;
+  while (std::getline(rows, line)) {
+    ++frames;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns) << line;
+    std::istringstream row(line);
+    std::vector<double> values;
+    for (std::string value; std::getline(row, value, ',');) values.push_back(std::stod(value));
+    EXPECT_EQ(values[0], frames);
+    EXPECT_EQ(values[1] == 1.0, values[2] == values[0]) << line;
+    videoBytes += static_cast<std::size_t>(values[3]);
+    for (std::size_t i = 7; i < values.size(); ++i) EXPECT_GT(values[i], 0.0) << line;
+  }
+  EXPECT_EQ(frames, 6);
+  EXPECT_EQ(videoBytes, json.at("video_bytes"));
 }
 
 }  // namespace

@@ -34,6 +34,7 @@ struct ServeOptions {
   std::string keys;
   int frames = 0;
   std::string stats;
+  std::string csv;
   ContextChoice context;
   StageChoice stage;
   AtlasChoice atlas;
@@ -101,6 +102,9 @@ Result<void> serve(const ServeOptions& options) {
   if (!options.stats.empty())
     if (auto writable = checkWritable(options.stats); !writable)
       return fail("--stats {}", writable.error().message);
+  if (!options.csv.empty())
+    if (auto writable = checkWritable(options.csv); !writable)
+      return fail("--csv {}", writable.error().message);
   auto pvs = pvsOptionsOf(options.prediction);
   if (!pvs) return tl::unexpected(pvs.error());
   if (*pvs && (*pvs)->prediction == Prediction::Reference)
@@ -167,7 +171,8 @@ Result<void> serve(const ServeOptions& options) {
   streamed.pvs = pvs->value_or(PvsOptions{.prediction = Prediction::None});
   streamed.measureLatency = options.latency->count() == 0;
   streamed.shade = shadeOptions(options.atlas);
-  streamed.timeStages = !options.stats.empty();
+  streamed.timeStages = !options.stats.empty() || !options.csv.empty();
+  streamed.csv = options.csv;
   Streaming streaming(streamed, **engine, **server, std::move(*packer), std::move(*encoder),
                       std::move(*greeting));
   if (auto ran = streaming.run(stopAsked); !ran) return ran;
@@ -220,6 +225,7 @@ Run addServe(CLI::App& app) {
       ->check(CLI::Range(0, 1000000000));
   command.add_option("--stats", options->stats,
                      "JSON file for times by stage and bytes; each stage then ends before the next");
+  command.add_option("--csv", options->csv, "CSV file for a row a coded frame, with bytes and times");
   addContext(command, options->context);
   addStage(command, options->stage);
   addAtlas(command, options->atlas);

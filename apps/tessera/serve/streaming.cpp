@@ -1,6 +1,7 @@
 #include "apps/tessera/serve/streaming.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <thread>
 
@@ -44,6 +45,12 @@ Result<void> Streaming::run(const std::atomic<bool>& stop) {
   const Clock::time_point start = Clock::now();
   Clock::time_point due = start;
   Clock::time_point looked = start;
+  if (!options_.csv.empty()) {
+    csv_.open(options_.csv);
+    csv_ << "frame,i_frame,builds_on,video_bytes,encode_ms,viewers,meta_bytes,visible_ms,place_ms,shade_ms,"
+            "convert_ms,read_ms,meta_ms\n";
+    if (!csv_) return fail("--csv {}: cannot be written", options_.csv);
+  }
   while (!stop && (options_.frames == 0 || frame_ < options_.frames)) {
     viewers_.poll();
     sendCoded();
@@ -107,7 +114,33 @@ void Streaming::timed(std::vector<double>& times, const Part& part) {
   const Clock::time_point before = Clock::now();
   part();
   if (options_.timeStages) gl::api().Finish();
-  times.push_back(std::chrono::duration<double, std::milli>(Clock::now() - before).count());
+  keep(times, std::chrono::duration<double, std::milli>(Clock::now() - before).count());
+}
+
+void Streaming::keep(std::vector<double>& times, double milliseconds) {
+  if (times.size() >= 2 * kRemembered)
+    times.erase(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(kRemembered));
+  times.push_back(milliseconds);
+}
+
+void Streaming::noteRow(std::size_t metaBytes) {
+  if (!csv_.is_open()) return;
+  const Times& t = times_;
+  std::string row = fmt::format("{},{}", viewers_.watching(), metaBytes);
+  for (const auto* part : {&t.visible, &t.place, &t.shade, &t.convert, &t.read, &t.meta})
+    row += fmt::format(",{:.3f}", part->back());
+  rows_[frame_] = std::move(row);
+}
+
+Result<void> Streaming::writeRow(const EncodedFrame& coded) {
+  const auto row = rows_.find(static_cast<std::uint32_t>(coded.frame));
+  if (row == rows_.end()) return {};
+  csv_ << fmt::format("{},{},{},{},{:.3f},{}\n", coded.frame, coded.iFrame() ? 1 : 0, coded.reference,
+                      coded.bytes.size(), coded.milliseconds, row->second);
+  csv_.flush();  // whoever follows the file sees whole rows
+  rows_.erase(rows_.begin(), std::next(row));
+  if (!csv_) return fail("--csv {}: cannot be written", options_.csv);
+  return {};
 }
 
 /// From a pose to the picture that it makes: there and back, and the frame that is made for it.
@@ -209,6 +242,7 @@ Result<void> Streaming::frame(double time) {
   });
   // Before the messages, so that both are made at once.
   coding_.push(std::move(planes->planes), frame_, iFrame, std::move(regions));
+  const std::uint64_t metaBefore = metaBytes_;
   timed(times_.meta, [&] {
     wire::FrameHeader header;
     header.frame = frame_;
@@ -222,6 +256,7 @@ Result<void> Streaming::frame(double time) {
         lightsOf(evaluateLights(engine_.scene(), engine_.state(), engine_.stage(), time), header.camera.eye);
     tellFrame(header, elements, objects);
   });
+  noteRow(metaBytes_ - metaBefore);
   return {};
 }
 
@@ -265,7 +300,11 @@ void Streaming::sendCoded() {
       wish_ = true;
       continue;
     }
-    times_.encode.push_back(coded->milliseconds);
+    keep(times_.encode, coded->milliseconds);
+    if (auto written = writeRow(*coded); !written) {
+      say(written.error().message);
+      csv_.close();
+    }
     videoBytes_ += coded->bytes.size();
     const auto number = static_cast<std::uint32_t>(coded->frame);
     const auto shared = std::make_shared<const transport::Bytes>(std::move(coded->bytes));
@@ -275,7 +314,7 @@ void Streaming::sendCoded() {
       if (server_.sendVideo(id, number, shared)) sentBytes_ += shared->size();
     }
   }
-  times_.send.push_back(std::chrono::duration<double, std::milli>(Clock::now() - before).count());
+  keep(times_.send, std::chrono::duration<double, std::milli>(Clock::now() - before).count());
 }
 
 /// A line a second while somebody watches.

@@ -4,6 +4,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <fstream>
+#include <map>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,6 +28,7 @@ struct StreamingOptions {
   bool measureLatency = true;
   ShadeOptions shade;
   bool timeStages = false;  // each stage ends before the next, so that times are its own
+  std::string csv;          // file for a row a coded frame; empty: none
 };
 
 class Streaming {
@@ -37,8 +41,9 @@ class Streaming {
   /// Until all frames are made or `stop` is set. What is coded then is still sent. Fails where the engine
   /// does.
   Result<void> run(const std::atomic<bool>& stop);
-  /// Medians of milliseconds by stage, totals, and shares of a frame: `own_share` is all but shading and
-  /// coding, `streaming_share` what is left of that without finding and placing the visible set.
+  /// Medians of milliseconds by stage over the last ten thousand frames and more, totals, and shares of a
+  /// frame: `own_share` is all but shading and coding, `streaming_share` what is left of that without finding
+  /// and placing the visible set.
   [[nodiscard]] nlohmann::json statistics() const;
 
  private:
@@ -47,6 +52,8 @@ class Streaming {
   struct Times {
     std::vector<double> visible, place, shade, convert, read, meta, encode, send;
   };
+  static constexpr std::size_t kRemembered = 10'000;  // times of a part, at least
+  static void keep(std::vector<double>& times, double milliseconds);
 
   /// Of the atlas's memory.
   struct Resets {
@@ -64,6 +71,8 @@ class Streaming {
   void tellFrame(const wire::FrameHeader& told, const std::vector<wire::VisibleElement>& elements,
                  const std::vector<wire::ObjectTransform>& objects);
   void sendCoded();
+  void noteRow(std::size_t metaBytes);
+  Result<void> writeRow(const EncodedFrame& coded);
   void report();
 
   StreamingOptions options_;
@@ -85,6 +94,8 @@ class Streaming {
   std::size_t mostWatching_ = 0;
   std::uint64_t videoBytes_ = 0, metaBytes_ = 0, sentBytes_ = 0, iFrames_ = 0, uncoded_ = 0;
   Times times_;
+  std::ofstream csv_;
+  std::map<std::uint32_t, std::string> rows_;  // of frames that are being coded: what is known of them
   Clock::time_point reported_ = Clock::now();
   std::uint32_t reportedFrame_ = 0;
   std::uint64_t reportedVideo_ = 0, reportedMeta_ = 0;
